@@ -1,0 +1,20 @@
+//! From elements to the linear system of an implicit step, A d = b.
+//!
+//! [`pattern`] finds which 3×3 blocks of A exist, once per mesh; [`block_csr`] holds their values; `triangles` and `hinges`
+//! run the energies over batches of elements and add into precomputed slots; [`System`] puts A and b together;
+//! [`constrain`] takes the pinned vertices out.
+//!
+//! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`.
+
+mod batch;
+pub mod block_csr;
+mod constraints;
+mod hinges;
+pub mod pattern;
+mod system;
+mod triangles;
+
+pub use block_csr::BlockCsr;
+pub use constraints::constrain;
+pub use pattern::BlockPattern;
+pub use system::{ElasticEnergy, ImplicitStep, Projection, System};

@@ -1,0 +1,98 @@
+//! The membrane elements of a cloth.
+
+use bevy::math::DVec3;
+
+use super::batch::{Batches, fill_up, pack};
+use super::system::{Linearisation, Projection};
+use super::{BlockCsr, BlockPattern};
+use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
+use crate::physics::material::Fabric;
+use crate::physics::math::{Real, V3};
+use crate::physics::mesh::{RestShape, Triangle};
+
+fn constants<L: Real>(fabric: &Fabric) -> Orthotropic<L> {
+    Orthotropic {
+        k0: L::splat(fabric.warp_stiffness.into()),
+        k1: L::splat(fabric.coupling.into()),
+        k2: L::splat(fabric.weft_stiffness.into()),
+        k3: L::splat(fabric.shear_stiffness.into()),
+    }
+}
+
+/// All triangles, in batches.
+pub(super) struct Triangles<L> {
+    batches: Batches<3>,
+    rest: Vec<Rest<L>>,
+    /// Gram matrices of the rest edges, by element: in f64, see [`membrane`].
+    rest_grams: Vec<Gram<f64>>,
+    constants: Orthotropic<L>,
+}
+
+impl<L: Real> Triangles<L> {
+    pub fn new(shape: &RestShape, fabric: &Fabric, pattern: &BlockPattern) -> Self {
+        let batches = Batches::new(shape.triangles.iter().map(|t| t.vertices).collect(), L::LANES, pattern);
+        let column = |f: &dyn Fn(&Triangle) -> f64| -> Vec<f64> { shape.triangles.iter().map(f).collect() };
+        let dm: [[Vec<f64>; 2]; 2] =
+            core::array::from_fn(|r| core::array::from_fn(|c| column(&|t| t.dm_inverse[r][c])));
+        let areas = column(&|t| t.area);
+        let rest = (0..batches.len())
+            .map(|batch| Rest {
+                dm_inverse: core::array::from_fn(|r| core::array::from_fn(|c| pack(&dm[r][c], batch, 0.0))),
+                // A filler has no area, so no energy, force or Hessian.
+                area: pack(&areas, batch, 0.0),
+            })
+            .collect();
+        let mut rest_grams = shape.triangles.iter().map(|t| t.rest_gram).collect();
+        fill_up(&mut rest_grams, L::LANES);
+        Self { batches, rest, rest_grams, constants: constants(fabric) }
+    }
+
+    /// Changes the material.
+    pub fn set_fabric(&mut self, fabric: &Fabric) {
+        self.constants = constants(fabric);
+    }
+
+    #[inline(always)]
+    fn strain(&self, batch: usize, x: &[DVec3]) -> Strain<L> {
+        let change = |entry: usize| {
+            self.batches
+                .map(batch, x, |element, edges| membrane::half_gram_change(edges, self.rest_grams[element])[entry])
+        };
+        self.rest[batch].green_strain([change(0), change(1), change(2)])
+    }
+
+    /// Energy, J.
+    #[inline(always)]
+    pub fn energy(&self, x: &[DVec3]) -> f64 {
+        let rest = self.rest.iter().enumerate();
+        rest.map(|(i, rest)| membrane::energy(rest, &self.constants, &self.strain(i, x)).sum_lanes()).sum()
+    }
+
+    /// Adds the forces, damping included, and the weighted projected Hessian.
+    #[inline(always)]
+    pub fn assemble(&self, at: &Linearisation, forces: &mut [V3<L::Scalar>], matrix: &mut BlockCsr<L::Scalar>) {
+        let (material, geometric, rate) = (L::splat(at.material), L::splat(at.geometric), L::splat(at.rate));
+        let k = &self.constants;
+        for (batch, rest) in self.rest.iter().enumerate() {
+            let w = rest.deformation(self.batches.edges(batch, at.x));
+            let stress = k.stress(&self.strain(batch, at.x));
+            let projected = match at.projection {
+                Projection::PositivePart => stress.positive_part(),
+                Projection::Absolute => stress.absolute(),
+            };
+            let mut total = stress;
+            if at.rate > 0.0 {
+                let moved = rest.deformation(self.batches.edge_moves(batch, at.origin, at.x));
+                total = total + k.stress(&w.strain_rate(&moved)) * rate;
+            }
+            let [g1, g2] = membrane::gradient(rest, &total, &w);
+            self.batches.scatter_forces(batch, [g1 + g2, -g1, -g2], forces);
+            let blocks = membrane::hessian(rest, k, &projected, &w, material, geometric).blocks();
+            for (i, row) in blocks.iter().enumerate() {
+                for (j, block) in row.iter().enumerate() {
+                    self.batches.scatter_block(batch, (i, j), block, matrix);
+                }
+            }
+        }
+    }
+}

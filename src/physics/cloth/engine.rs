@@ -1,0 +1,44 @@
+//! What advances a cloth, in either precision.
+
+use bevy::math::DVec3;
+
+use super::implicit::Implicit;
+use super::pins::Pins;
+use super::{ClothFault, State, StepReport};
+use crate::physics::assembly::ElasticEnergy;
+use crate::physics::material::Fabric;
+use crate::physics::math::Lanes;
+use crate::physics::mesh::RestShape;
+use crate::physics::solve::{Precision, SolverSettings};
+
+/// What a step needs beside the state.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    /// s.
+    pub dt: f64,
+    /// m/s².
+    pub gravity: DVec3,
+    /// kg.
+    pub masses: &'a [f64],
+    pub pins: &'a Pins,
+}
+
+/// The part of a cloth that depends on the precision.
+pub(super) trait Engine: Send + Sync {
+    /// Advances the state, which changes only if the step succeeds.
+    fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault>;
+    /// Elastic energy at these positions.
+    fn energy(&self, positions: &[DVec3]) -> ElasticEnergy;
+    /// Changes the material.
+    fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric);
+    /// Forgets earlier states: the present one was put there from outside.
+    fn restart(&mut self);
+}
+
+/// The engine of these settings.
+pub(super) fn new(shape: &RestShape, fabric: &Fabric, settings: &SolverSettings) -> Box<dyn Engine> {
+    match settings.precision {
+        Precision::Single => Box::new(Implicit::<Lanes<8>>::new(shape, fabric, settings)),
+        Precision::Double => Box::new(Implicit::<f64>::new(shape, fabric, settings)),
+    }
+}

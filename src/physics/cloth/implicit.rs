@@ -1,0 +1,244 @@
+//! The implicit step: predict, linearise, solve, check.
+
+use bevy::math::DVec3;
+use bevy::platform::time::Instant;
+
+use super::engine::{Engine, Step};
+use super::integrator::{Bdf2, Integrator, hesitation};
+use super::{ClothFault, State, StepReport, rigid};
+use crate::physics::assembly::{ElasticEnergy, ImplicitStep, Projection, System, constrain};
+use crate::physics::material::Fabric;
+use crate::physics::math::{Real, V3};
+use crate::physics::mesh::RestShape;
+use crate::physics::solve::{LinearSolver, SolverSettings, solver};
+
+/// A cloth's linear system, its solver, and what a step remembers.
+pub(super) struct Implicit<L: Real> {
+    pub system: System<L>,
+    solver: Box<dyn LinearSolver<L::Scalar>>,
+    settings: SolverSettings,
+    /// dp, s, and α, 1/s.
+    damping: f64,
+    air_drag: f64,
+    history: History,
+    /// Elastic energy of the present state, if known, J.
+    pub energy_now: Option<f64>,
+
+    solution: Vec<V3<L::Scalar>>,
+    residual: Vec<V3<L::Scalar>>,
+    /// y, q, x and d of [`ImplicitStep`], m.
+    pub inertial: Vec<DVec3>,
+    origin: Vec<DVec3>,
+    pub point: Vec<DVec3>,
+    pub moves: Vec<DVec3>,
+    /// The state a step leads to, if it is accepted.
+    pub candidate: State,
+}
+
+/// The state before the present one.
+struct History {
+    state: State,
+    /// Length of the step between them, s; `None` if there was none.
+    dt: Option<f64>,
+}
+
+/// How a step is integrated.
+#[derive(Clone, Copy)]
+enum Scheme {
+    BackwardEuler,
+    /// Half a step of backward Euler, continued to a whole one: second order from a single state.
+    Midpoint,
+    Bdf2(Bdf2),
+}
+
+/// What of the linear system depends on the scheme.
+#[derive(Clone, Copy)]
+pub(super) struct Linear {
+    pub gamma: f64,
+    pub projection: Projection,
+    pub damping: f64,
+    pub air_drag: f64,
+    /// Share of the way to their waypoints that held vertices go.
+    pub pin_share: f64,
+}
+
+impl<L: Real> Implicit<L> {
+    pub fn new(shape: &RestShape, fabric: &Fabric, settings: &SolverSettings) -> Self {
+        let system = System::new(shape, fabric);
+        let count = shape.vertex_count();
+        let (zeros, small_zeros) = (vec![DVec3::ZERO; count], vec![V3::zero(); count]);
+        let state = State { positions: zeros.clone(), velocities: zeros.clone() };
+        Self {
+            solver: solver(settings.kind, system.matrix.pattern()),
+            settings: *settings,
+            damping: fabric.damping.into(),
+            air_drag: fabric.air_drag.into(),
+            history: History { state: state.clone(), dt: None },
+            energy_now: None,
+            system,
+            solution: small_zeros.clone(),
+            residual: small_zeros,
+            inertial: zeros.clone(),
+            origin: zeros.clone(),
+            point: zeros.clone(),
+            moves: zeros,
+            candidate: state,
+        }
+    }
+
+    fn scheme(&self, dt: f64) -> Scheme {
+        match self.settings.integrator {
+            Integrator::BackwardEuler => Scheme::BackwardEuler,
+            Integrator::Bdf2 => {
+                self.history.dt.and_then(|previous| Bdf2::new(dt, previous)).map_or(Scheme::Midpoint, Scheme::Bdf2)
+            }
+        }
+    }
+
+    /// Sets y, q and the point of linearisation.
+    fn predict(&mut self, scheme: Scheme, dt: f64, state: &State) -> Linear {
+        let before = &self.history.state;
+        for (vertex, (&x, &v)) in state.positions.iter().zip(&state.velocities).enumerate() {
+            let (origin, inertial, point) = match scheme {
+                Scheme::BackwardEuler => (x, x + dt * v, x),
+                Scheme::Midpoint => (x, x + 0.5 * dt * v, x + 0.5 * dt * v),
+                Scheme::Bdf2(bdf2) => {
+                    let previous = before.velocities[vertex];
+                    let origin = bdf2.combine(x, before.positions[vertex]);
+                    let inertial = origin + bdf2.gamma * bdf2.combine(v, previous);
+                    let steady = x + 0.5 * dt * (v + previous);
+                    (origin, inertial, inertial.lerp(steady, hesitation(v, previous)))
+                }
+            };
+            self.origin[vertex] = origin;
+            self.inertial[vertex] = inertial;
+            self.point[vertex] = point;
+        }
+        let (gamma, projection, pin_share) = match scheme {
+            Scheme::BackwardEuler => (dt, Projection::PositivePart, 1.0),
+            Scheme::Midpoint => (0.5 * dt, Projection::Absolute, 0.5),
+            Scheme::Bdf2(bdf2) => (bdf2.gamma, Projection::Absolute, 1.0),
+        };
+        Linear { gamma, projection, damping: self.damping, air_drag: self.air_drag, pin_share }
+    }
+
+    /// Solves for `moves`, from the point of linearisation to where the scheme leads.
+    pub fn solve(
+        &mut self,
+        linear: Linear,
+        step: Step,
+        state: &State,
+        report: &mut StepReport,
+    ) -> Result<(), ClothFault> {
+        let start = Instant::now();
+        let Self { system, solver, solution, residual, inertial, origin, point, moves, .. } = self;
+        let (held, any_held) = (step.pins.held(), step.pins.any());
+        let mut implicit = ImplicitStep {
+            x: point,
+            inertial,
+            origin,
+            gamma: linear.gamma,
+            gravity: step.gravity,
+            damping: linear.damping,
+            air_drag: linear.air_drag,
+            projection: linear.projection,
+            drift: DVec3::ZERO,
+        };
+        implicit.drift = if any_held { mean_move(&implicit, step.masses) } else { implicit.free_drift(step.masses) };
+        system.assemble(&implicit, step.masses);
+        let prescribed = |vertex: usize| {
+            let target = state.positions[vertex].lerp(step.pins.waypoints()[vertex], linear.pin_share);
+            V3::from_f64((target - point[vertex] - implicit.drift).to_array())
+        };
+        constrain(&mut system.matrix, &mut system.rhs, held, prescribed);
+        let assembled = Instant::now();
+        report.assembly += assembled - start;
+
+        // Gravity is in the starting guess only if nothing holds the cloth: rest must not depend on how well the solver
+        // takes it out again.
+        let fall = if any_held { DVec3::ZERO } else { implicit.free_fall() };
+        for (vertex, d) in solution.iter_mut().enumerate() {
+            let guess = implicit.inertial_move(vertex) + fall - implicit.drift;
+            *d = if held[vertex] { prescribed(vertex) } else { V3::from_f64(guess.to_array()) };
+        }
+        let target = self.settings.residual_target(step.masses.iter().sum(), linear.gamma);
+        let solved = solver.solve(&system.matrix, &system.rhs, solution, target)?;
+        report.iterations += solved.iterations;
+        for (d, solved) in moves.iter_mut().zip(&*solution) {
+            *d = DVec3::from(solved.to_f64()) + implicit.drift;
+        }
+        if !any_held {
+            system.matrix.multiply(solution, residual);
+            let rest = |vertex: usize| DVec3::from((system.rhs[vertex] - residual[vertex]).to_f64());
+            rigid::correct(moves, rest, point, step.masses);
+        }
+        report.solve += assembled.elapsed();
+        if moves.iter().all(|d| d.is_finite()) { Ok(()) } else { Err(ClothFault::NotFinite) }
+    }
+
+    /// Where the moves lead.
+    fn finish(&mut self, scheme: Scheme, step: Step, state: &State) {
+        let dt = step.dt;
+        let (held, waypoints) = (step.pins.held(), step.pins.waypoints());
+        for vertex in 0..self.moves.len() {
+            let (x, v) = (state.positions[vertex], state.velocities[vertex]);
+            let reached = self.point[vertex] + self.moves[vertex];
+            let (position, velocity) = match scheme {
+                Scheme::BackwardEuler => (reached, self.moves[vertex] / dt),
+                Scheme::Midpoint => (2.0 * reached - x, 4.0 / dt * (reached - x) - v),
+                Scheme::Bdf2(bdf2) => (reached, (reached - self.origin[vertex]) / bdf2.gamma),
+            };
+            // A pin is reached to the last bit, whatever the precision of the solve.
+            (self.candidate.positions[vertex], self.candidate.velocities[vertex]) =
+                if held[vertex] { (waypoints[vertex], (waypoints[vertex] - x) / dt) } else { (position, velocity) };
+        }
+    }
+}
+
+impl<L: Real> Engine for Implicit<L> {
+    fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
+        let scheme = self.scheme(step.dt);
+        let linear = self.predict(scheme, step.dt, state);
+        let solved = self.solve(linear, step, state, report).map(|()| self.finish(scheme, step, state));
+        let checked = self.checked(step, state);
+        let energy = match solved.ok().and_then(|()| self.acceptable(&checked, step, state)) {
+            Some(energy) => {
+                self.history.dt = Some(step.dt);
+                energy
+            }
+            None => {
+                report.fallbacks += 1;
+                self.history.dt = None;
+                self.energy_now = None;
+                self.fall_back(&checked, step, state, report)?
+            }
+        };
+        self.energy_now = Some(energy);
+        core::mem::swap(state, &mut self.candidate);
+        // `candidate` holds the state before this step now: next time it is history.
+        core::mem::swap(&mut self.candidate, &mut self.history.state);
+        Ok(())
+    }
+
+    fn energy(&self, positions: &[DVec3]) -> ElasticEnergy {
+        self.system.energy(positions)
+    }
+
+    fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
+        self.system.set_fabric(shape, fabric);
+        self.damping = fabric.damping.into();
+        self.air_drag = fabric.air_drag.into();
+        self.energy_now = None;
+    }
+
+    fn restart(&mut self) {
+        self.history.dt = None;
+        self.energy_now = None;
+    }
+}
+
+/// Mass-weighted mean of the inertial moves, m.
+fn mean_move(implicit: &ImplicitStep, masses: &[f64]) -> DVec3 {
+    let moves = masses.iter().enumerate().map(|(vertex, &m)| m * implicit.inertial_move(vertex));
+    moves.sum::<DVec3>() / masses.iter().sum::<f64>()
+}

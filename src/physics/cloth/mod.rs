@@ -1,0 +1,316 @@
+//! A cloth in motion: rest shape, fabric, state, and the step that advances it.
+
+mod engine;
+mod implicit;
+mod integrator;
+mod measure;
+mod pins;
+mod rigid;
+mod safeguard;
+
+use core::time::Duration;
+
+use bevy::math::{DAffine3, DVec3};
+use bevy::platform::time::Instant;
+use bevy::reflect::Reflect;
+use thiserror::Error;
+
+use self::engine::Engine;
+use self::pins::Pins;
+pub use integrator::Integrator;
+pub use measure::{Energy, Stretch};
+
+use crate::physics::material::{Fabric, MaterialError};
+use crate::physics::mesh::RestShape;
+use crate::physics::solve::{SolveError, SolverSettings};
+
+/// Positions and velocities of the simulated vertices, in world space.
+#[derive(Clone, Debug)]
+struct State {
+    /// m.
+    positions: Vec<DVec3>,
+    /// m/s.
+    velocities: Vec<DVec3>,
+}
+
+/// A simulated cloth, free of any ECS.
+///
+/// ```
+/// use bevy::math::DVec3;
+/// use bevy_cloth::physics::{Cloth, Fabric, RestShape, RestShapeOptions, SolverSettings, SurfaceMesh};
+///
+/// let mesh = SurfaceMesh {
+///     positions: &[DVec3::ZERO, DVec3::X, DVec3::new(0.0, -1.0, 0.0), DVec3::new(1.0, -1.0, 0.0)],
+///     triangles: &[[0, 2, 1], [1, 2, 3]],
+///     uvs: None,
+/// };
+/// let shape = RestShape::new(&mesh, &RestShapeOptions::default())?;
+/// let mut cloth = Cloth::new(shape, Fabric::cotton(), SolverSettings::default())?;
+/// for vertex in [0, 1] {
+///     cloth.pin(vertex, cloth.positions()[vertex as usize]);
+/// }
+/// cloth.step(1.0 / 60.0);
+/// assert!(cloth.positions()[2].y < -1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Cloth {
+    shape: RestShape,
+    fabric: Fabric,
+    settings: SolverSettings,
+    gravity: DVec3,
+    masses: Vec<f64>,
+    state: State,
+    pins: Pins,
+    engine: Box<dyn Engine>,
+}
+
+/// How a step went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport {
+    /// Whether the cloth moved on.
+    pub outcome: StepOutcome,
+    /// Iterations of the linear solver, all substeps together.
+    pub iterations: u32,
+    /// Substeps that failed the energy check and were taken again by the fallback.
+    pub fallbacks: u32,
+    /// Those of them after which velocities had to be scaled down.
+    pub velocity_clamps: u32,
+    /// Time spent on A and b.
+    pub assembly: Duration,
+    /// Time spent on solving.
+    pub solve: Duration,
+    /// Time of the whole step.
+    pub total: Duration,
+}
+
+/// Whether a step was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepOutcome {
+    /// The cloth moved on.
+    Accepted,
+    /// It stays where it was, at rest.
+    Rejected(ClothFault),
+}
+
+/// Why a step could not be taken.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq, Reflect)]
+pub enum ClothFault {
+    /// The time step is negative or not a number.
+    #[error("the time step is negative or not finite")]
+    TimeStep,
+    /// The state, a pin target or gravity is not finite, or so large that the forces are not.
+    #[error("positions, velocities, pin targets or forces are not finite")]
+    NotFinite,
+    /// The matrix is not positive definite in the chosen precision.
+    #[error("the linear system could not be solved in this precision")]
+    Solver,
+}
+
+impl From<SolveError> for ClothFault {
+    fn from(error: SolveError) -> Self {
+        match error {
+            SolveError::NotPositiveDefinite => Self::Solver,
+            SolveError::NotFinite => Self::NotFinite,
+        }
+    }
+}
+
+impl Cloth {
+    /// A cloth at its rest positions, at rest, without pins, under standard gravity along −Y.
+    ///
+    /// `settings` should pass [`SolverSettings::validate`]; those that do not waste time, but do no harm.
+    ///
+    /// # Errors
+    /// If a constant of the fabric is invalid.
+    pub fn new(shape: RestShape, fabric: Fabric, settings: SolverSettings) -> Result<Self, MaterialError> {
+        fabric.validate()?;
+        let count = shape.vertex_count();
+        Ok(Self {
+            engine: engine::new(&shape, &fabric, &settings),
+            masses: masses(&shape, &fabric),
+            state: State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] },
+            pins: Pins::new(count),
+            gravity: DVec3::new(0.0, -9.81, 0.0),
+            shape,
+            fabric,
+            settings,
+        })
+    }
+
+    /// The undeformed cloth.
+    pub fn shape(&self) -> &RestShape {
+        &self.shape
+    }
+
+    /// The fabric.
+    pub fn fabric(&self) -> &Fabric {
+        &self.fabric
+    }
+
+    /// Changes the fabric; the cloth keeps its motion.
+    ///
+    /// # Errors
+    /// If a constant is invalid: the old fabric then stays.
+    pub fn set_fabric(&mut self, fabric: Fabric) -> Result<(), MaterialError> {
+        fabric.validate()?;
+        self.engine.set_fabric(&self.shape, &fabric);
+        self.masses = masses(&self.shape, &fabric);
+        self.fabric = fabric;
+        Ok(())
+    }
+
+    /// The settings of the solver.
+    pub fn settings(&self) -> &SolverSettings {
+        &self.settings
+    }
+
+    /// Changes how steps are solved; the cloth keeps its motion.
+    pub fn set_settings(&mut self, settings: SolverSettings) {
+        if settings != self.settings {
+            self.engine = engine::new(&self.shape, &self.fabric, &settings);
+            self.settings = settings;
+        }
+    }
+
+    /// Gravity, m/s².
+    pub fn gravity(&self) -> DVec3 {
+        self.gravity
+    }
+
+    /// Changes gravity, m/s².
+    pub fn set_gravity(&mut self, gravity: DVec3) {
+        self.gravity = gravity;
+    }
+
+    /// World positions of the simulated vertices, m.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.state.positions
+    }
+
+    /// Velocities of the simulated vertices, m/s.
+    pub fn velocities(&self) -> &[DVec3] {
+        &self.state.velocities
+    }
+
+    /// Lumped masses of the simulated vertices, kg.
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    /// Puts the cloth into a state. Pins stay.
+    ///
+    /// # Panics
+    /// If either slice has not one entry per simulated vertex.
+    pub fn set_state(&mut self, positions: &[DVec3], velocities: &[DVec3]) {
+        self.state.positions.copy_from_slice(positions);
+        self.state.velocities.copy_from_slice(velocities);
+        self.engine.restart();
+    }
+
+    /// Carries the cloth elsewhere without it noticing: positions are mapped, velocities turned, pin targets mapped.
+    pub fn transform(&mut self, map: DAffine3) {
+        for x in &mut self.state.positions {
+            *x = map.transform_point3(*x);
+        }
+        for v in &mut self.state.velocities {
+            *v = map.transform_vector3(*v);
+        }
+        self.pins.transform(map);
+        self.engine.restart();
+    }
+
+    /// Holds a simulated vertex: it will be at `target` (m) at the end of the next step, and stay there.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    pub fn pin(&mut self, vertex: u32, target: DVec3) {
+        self.pins.set(vertex, target);
+    }
+
+    /// Lets every vertex go.
+    pub fn clear_pins(&mut self) {
+        self.pins.clear();
+    }
+
+    /// Where a vertex is held, if it is, m.
+    pub fn pin_target(&self, vertex: u32) -> Option<DVec3> {
+        self.pins.target(vertex)
+    }
+
+    /// All held vertices and where, m.
+    pub fn pinned(&self) -> impl Iterator<Item = (u32, DVec3)> {
+        self.pins.iter()
+    }
+
+    /// Advances by `dt` seconds; 0 does nothing.
+    ///
+    /// Never panics: a step that cannot be taken leaves the cloth where it is, at rest, and says so in the report.
+    pub fn step(&mut self, dt: f64) -> StepReport {
+        let start = Instant::now();
+        let mut report = StepReport {
+            outcome: StepOutcome::Accepted,
+            iterations: 0,
+            fallbacks: 0,
+            velocity_clamps: 0,
+            assembly: Duration::ZERO,
+            solve: Duration::ZERO,
+            total: Duration::ZERO,
+        };
+        if dt != 0.0
+            && let Err(fault) = self.try_step(dt, &mut report)
+        {
+            self.state.velocities.fill(DVec3::ZERO);
+            self.engine.restart();
+            report.outcome = StepOutcome::Rejected(fault);
+        }
+        report.total = start.elapsed();
+        report
+    }
+
+    fn try_step(&mut self, dt: f64, report: &mut StepReport) -> Result<(), ClothFault> {
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(ClothFault::TimeStep);
+        }
+        let substeps = self.settings.substeps.max(1);
+        for remaining in (1..=substeps).rev() {
+            self.pins.advance(&self.state.positions, remaining);
+            self.engine.step(
+                engine::Step {
+                    dt: dt / f64::from(substeps),
+                    gravity: self.gravity,
+                    masses: &self.masses,
+                    pins: &self.pins,
+                },
+                &mut self.state,
+                report,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Energy by term.
+    pub fn energy(&self) -> Energy {
+        measure::energy(self, self.engine.energy(&self.state.positions))
+    }
+
+    /// How far the yarns are stretched.
+    pub fn stretch(&self) -> Stretch {
+        measure::stretch(&self.shape, &self.state.positions)
+    }
+}
+
+impl core::fmt::Debug for Cloth {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Cloth")
+            .field("vertices", &self.shape.vertex_count())
+            .field("triangles", &self.shape.triangles.len())
+            .field("fabric", &self.fabric)
+            .field("settings", &self.settings)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Lumped masses: each vertex has a third of the mass of the triangles around it, kg.
+fn masses(shape: &RestShape, fabric: &Fabric) -> Vec<f64> {
+    shape.vertex_areas.iter().map(|area| area * f64::from(fabric.density)).collect()
+}

@@ -1,0 +1,9 @@
+//! What the cloth resists, and what pulls on it: one file per energy.
+//!
+//! An element file holds pure functions over [`Real`](crate::physics::math::Real): kinematics, energy, gradient, projected
+//! Hessian. It knows nothing of meshes, matrices or solvers; `assembly` calls it for batches of elements.
+
+pub mod gravity;
+pub mod hinge;
+pub mod membrane;
+pub mod stress;

@@ -1,0 +1,15 @@
+//! The number type every energy is written over, and 3-vectors and 3×3 blocks of it.
+//!
+//! An energy is one function over [`Real`]: `f64` gives the reference, [`Lanes`] the fast path (one element per
+//! lane). nalgebra is not used here because its operators are `#[inline]` only: they must be inlined for certain
+//! into functions compiled for a wider instruction set.
+
+mod lanes;
+mod matrix;
+mod real;
+mod vector;
+
+pub use lanes::Lanes;
+pub use matrix::M3;
+pub use real::{Real, Scalar};
+pub use vector::V3;

@@ -1,0 +1,9 @@
+//! From a triangle mesh to the [`RestShape`] that the elements are made of:
+//! weld → clean triangles → edges and hinges → warp and weft.
+
+mod rest_shape;
+mod topology;
+mod warp_weft;
+mod weld;
+
+pub use rest_shape::{Hinge, MeshError, RestShape, RestShapeOptions, SurfaceMesh, Triangle};

@@ -1,0 +1,50 @@
+//! Vertices split along UV or normal seams become one again.
+
+use std::collections::HashMap;
+
+use bevy::math::{DVec3, I64Vec3};
+
+/// For each vertex the first vertex of the mesh within `distance` of it (itself if there is none).
+///
+/// Points are hashed into cells of the weld distance and compared with the 27 cells around, so that the result does not
+/// depend on where the cells lie. `None` takes 1e-5 of the diagonal of the bounding box.
+pub(super) fn weld(positions: &[DVec3], distance: Option<f64>) -> Vec<u32> {
+    let min = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let max = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let diagonal = if positions.is_empty() { 0.0 } else { (max - min).length() };
+    // The floor keeps the cell numbers within i64 for a weld distance of zero.
+    let distance = distance.unwrap_or(1e-5 * diagonal).max(1e-12 * diagonal).max(f64::MIN_POSITIVE);
+
+    let cell = |p: DVec3| ((p - min) / distance).floor().as_i64vec3();
+    let mut cells: HashMap<I64Vec3, Vec<u32>> = HashMap::with_capacity(positions.len());
+    let mut representative = Vec::with_capacity(positions.len());
+    for (vertex, &p) in positions.iter().enumerate() {
+        let centre = cell(p);
+        let near = neighbourhood().filter_map(|offset| cells.get(&(centre + offset))).flatten().copied();
+        let first = near.filter(|&v| positions[v as usize].distance(p) <= distance).min();
+        let chosen = first.unwrap_or(vertex as u32);
+        if first.is_none() {
+            cells.entry(centre).or_default().push(chosen);
+        }
+        representative.push(chosen);
+    }
+    representative
+}
+
+fn neighbourhood() -> impl Iterator<Item = I64Vec3> {
+    (0..27).map(|i| I64Vec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_vertices_become_the_first_of_them_and_far_ones_stay() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0 + 4e-6, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.1, 0.0]];
+        let positions = points.map(DVec3::from);
+        assert_eq!(weld(&positions, None), [0, 1, 1, 0, 4]);
+        assert_eq!(weld(&positions, Some(0.0)), [0, 1, 2, 0, 4]);
+        assert_eq!(weld(&positions, Some(0.2)), [0, 1, 1, 0, 1]);
+    }
+}

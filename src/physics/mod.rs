@@ -1,0 +1,16 @@
+//! The physics, free of any ECS: a mesh in, [`Cloth::step`], positions out.
+//!
+//! mesh → [`mesh`] (rest shape) → [`assembly`] (A and b from the [`energy`] files) → [`solve`] (A d = b) → [`cloth`] (state).
+
+pub mod assembly;
+pub mod cloth;
+pub mod energy;
+pub mod material;
+pub mod math;
+pub mod mesh;
+pub mod solve;
+
+pub use cloth::{Cloth, ClothFault, Energy, Integrator, StepOutcome, StepReport, Stretch};
+pub use material::{Fabric, MaterialError};
+pub use mesh::{MeshError, RestShape, RestShapeOptions, SurfaceMesh};
+pub use solve::{Precision, PreconditionerKind, SettingsError, SolverKind, SolverSettings};

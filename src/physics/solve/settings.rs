@@ -1,0 +1,144 @@
+//! What can be chosen about a solve. None of it changes the material: only accuracy and cost.
+
+use bevy::reflect::Reflect;
+use thiserror::Error;
+
+use crate::physics::cloth::Integrator;
+
+/// How a step is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub struct SolverSettings {
+    /// The time integrator.
+    pub integrator: Integrator,
+    /// The linear solver.
+    pub kind: SolverKind,
+    /// Precision of elements, matrix and vectors; positions are always kept in f64.
+    pub precision: Precision,
+    /// Implicit steps per call of [`Cloth::step`](crate::physics::Cloth::step), at least 1.
+    pub substeps: u32,
+}
+
+/// The linear solver.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum SolverKind {
+    /// Preconditioned conjugate gradients.
+    ConjugateGradient {
+        /// Stop when the residual is that of an acceleration of this size, root mean square, m/s². So the quality of a
+        /// solve does not depend on the time step.
+        tolerance: f32,
+        /// Stop after so many iterations anyway.
+        max_iterations: u32,
+        /// The preconditioner.
+        preconditioner: PreconditionerKind,
+    },
+    /// faer's supernodal sparse Cholesky factorisation, in f64: the reference.
+    #[cfg(feature = "cholesky")]
+    Cholesky,
+}
+
+/// The preconditioner of conjugate gradients.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum PreconditionerKind {
+    /// Incomplete Cholesky for small cloths, multigrid for large ones.
+    #[default]
+    Auto,
+    /// The diagonal blocks: the least work per iteration, and the most iterations.
+    BlockJacobi,
+    /// Incomplete Cholesky: the number of iterations grows with the number of vertices.
+    IncompleteCholesky,
+    /// Smoothed-aggregation multigrid: the number of iterations hardly grows.
+    Multigrid,
+}
+
+/// Precision of a solve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum Precision {
+    /// f32, several elements at a time.
+    #[default]
+    Single,
+    /// f64: the reference.
+    Double,
+}
+
+impl SolverKind {
+    /// Conjugate gradients stopping at `tolerance`, m/s².
+    pub const fn conjugate_gradient(tolerance: f32) -> Self {
+        Self::ConjugateGradient { tolerance, max_iterations: 500, preconditioner: PreconditionerKind::Auto }
+    }
+}
+
+impl Default for SolverKind {
+    fn default() -> Self {
+        Self::conjugate_gradient(0.01)
+    }
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::default(),
+            kind: SolverKind::default(),
+            precision: Precision::default(),
+            substeps: 1,
+        }
+    }
+}
+
+/// A setting that cannot be used.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Reflect)]
+pub enum SettingsError {
+    /// The tolerance is NaN, infinite or negative.
+    #[error("the tolerance is {0}: it must be a finite number, not negative, in m/s²")]
+    Tolerance(f32),
+    /// No iterations are allowed.
+    #[error("`max_iterations` is 0: the solver may not even start")]
+    NoIterations,
+    /// No substeps.
+    #[error("`substeps` is 0: it must be at least 1")]
+    NoSubsteps,
+}
+
+impl SolverSettings {
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        if self.substeps == 0 {
+            return Err(SettingsError::NoSubsteps);
+        }
+        match self.kind {
+            SolverKind::ConjugateGradient { tolerance, .. } if !(tolerance.is_finite() && tolerance >= 0.0) => {
+                Err(SettingsError::Tolerance(tolerance))
+            }
+            SolverKind::ConjugateGradient { max_iterations: 0, .. } => Err(SettingsError::NoIterations),
+            _ => Ok(()),
+        }
+    }
+
+    /// √(rᵀP⁻¹r) of a residual as large as the tolerance, for a cloth of `mass` (kg) and a step of `dt` (s), √kg·m.
+    pub(crate) fn residual_target(&self, mass: f64, dt: f64) -> f64 {
+        match self.kind {
+            SolverKind::ConjugateGradient { tolerance, .. } => f64::from(tolerance) * dt * dt * mass.sqrt(),
+            #[cfg(feature = "cholesky")]
+            SolverKind::Cholesky => 0.0,
+        }
+    }
+
+    /// The reference: Cholesky in f64 where the feature `cholesky` is on, else conjugate gradients to rounding.
+    pub fn reference() -> Self {
+        #[cfg(feature = "cholesky")]
+        let kind = SolverKind::Cholesky;
+        #[cfg(not(feature = "cholesky"))]
+        let kind = SolverKind::ConjugateGradient {
+            tolerance: 1e-9,
+            max_iterations: 100_000,
+            preconditioner: PreconditionerKind::Auto,
+        };
+        Self { integrator: Integrator::default(), kind, precision: Precision::Double, substeps: 1 }
+    }
+}

@@ -1,0 +1,12 @@
+//! The physics core, without an App.
+
+mod analytic;
+mod assembly;
+mod derivatives;
+mod determinism;
+mod meshes;
+mod pins;
+mod preconditioners;
+mod rest_shape;
+mod solvers;
+mod steps;

@@ -1,0 +1,124 @@
+//! The linear solvers, on matrices of real cloths.
+
+use bevy::math::DVec3;
+use bevy_cloth::physics::assembly::{BlockCsr, ImplicitStep, System, constrain};
+use bevy_cloth::physics::math::{M3, V3};
+use bevy_cloth::physics::solve::{PreconditionerKind, SolveError, solver};
+use bevy_cloth::physics::{Fabric, SolverKind};
+
+use crate::meshes::{TestMesh, crumpled};
+
+const TIGHT: SolverKind =
+    SolverKind::ConjugateGradient { tolerance: 0.0, max_iterations: 10_000, preconditioner: PreconditionerKind::Auto };
+/// √kg·m
+const TARGET: f64 = 1e-14;
+
+fn system(seed: u64) -> System<f64> {
+    let shape = TestMesh::jittered(12, 9, 1.0, 1.0, 0.2).shape();
+    let fabric = Fabric::cotton();
+    let mut system = System::new(&shape, &fabric);
+    let x = crumpled(&shape.positions, 0.02, seed);
+    let dt = 1.0 / 60.0;
+    let inertial = crumpled(&x, dt, seed + 1);
+    let masses: Vec<_> = shape.vertex_areas.iter().map(|a| 0.15 * a).collect();
+    let step = ImplicitStep::backward_euler(&x, &inertial, dt, DVec3::new(0.0, -9.81, 0.0));
+    system.assemble(&step, &masses);
+    system
+}
+
+fn residual(a: &BlockCsr<f64>, b: &[V3<f64>], d: &[V3<f64>]) -> f64 {
+    let mut product = b.to_vec();
+    a.multiply(d, &mut product);
+    let norm = |v: &mut dyn Iterator<Item = f64>| v.sum::<f64>().sqrt();
+    let r = norm(&mut product.iter().zip(b).map(|(&p, &b)| (b - p).norm_squared()));
+    r / norm(&mut b.iter().map(|b| b.norm_squared()))
+}
+
+#[test]
+fn every_solver_solves() {
+    let kinds = [
+        TIGHT,
+        #[cfg(feature = "cholesky")]
+        SolverKind::Cholesky,
+    ];
+    for kind in kinds {
+        let first = system(1);
+        let mut solver = solver(kind, first.matrix.pattern());
+        // The second system reuses what the first left behind.
+        for system in [first, system(2)] {
+            let mut d = vec![V3::zero(); system.rhs.len()];
+            let solved = solver.solve(&system.matrix, &system.rhs, &mut d, TARGET).unwrap();
+            assert!(solved.converged, "{kind:?}");
+            let r = residual(&system.matrix, &system.rhs, &d);
+            assert!(r < 1e-9, "{kind:?}: {r:e}");
+        }
+    }
+}
+
+#[test]
+fn conjugate_gradients_stop_at_the_tolerance_and_at_the_limit() {
+    let system = system(3);
+    let run = |target, max_iterations| {
+        let mut d = vec![V3::zero(); system.rhs.len()];
+        let kind =
+            SolverKind::ConjugateGradient { tolerance: 0.0, max_iterations, preconditioner: PreconditionerKind::Auto };
+        solver(kind, system.matrix.pattern()).solve(&system.matrix, &system.rhs, &mut d, target).unwrap()
+    };
+    let (loose, tight) = (run(1e-5, 1000), run(1e-9, 1000));
+    assert!(0 < loose.iterations && loose.iterations < tight.iterations, "{loose:?} {tight:?}");
+    let cut = run(1e-12, 3);
+    assert_eq!((cut.iterations, cut.converged), (3, false));
+}
+
+#[test]
+fn pins_are_exact_and_leave_the_matrix_symmetric() {
+    let mut system = system(4);
+    let count = system.rhs.len();
+    let pinned: Vec<_> = (0..count).map(|v| v % 7 == 0).collect();
+    let prescribed = |v: usize| V3([0.01 * v as f64, -0.3, 1.0 / 3.0]);
+    let (full, rhs) = (system.matrix.clone(), system.rhs.clone());
+    constrain(&mut system.matrix, &mut system.rhs, &pinned, prescribed);
+    let mut d: Vec<_> = (0..count).map(|v| if pinned[v] { prescribed(v) } else { V3::zero() }).collect();
+    solver(TIGHT, system.matrix.pattern()).solve(&system.matrix, &system.rhs, &mut d, TARGET).unwrap();
+
+    // The free rows of the original system hold, with d as prescribed at the pins.
+    let mut product = rhs.clone();
+    full.multiply(&d, &mut product);
+    for v in 0..count {
+        if pinned[v] {
+            assert_eq!(d[v], prescribed(v));
+        } else {
+            assert!((product[v] - rhs[v]).norm_squared().sqrt() < 1e-9, "row {v}");
+        }
+        for (column, block) in system.matrix.row(v) {
+            let slot = system.matrix.pattern().slot(column, v as u32).unwrap();
+            let asymmetry = system.matrix.blocks[slot as usize] - block.transpose();
+            assert!(asymmetry.0.as_flattened().iter().all(|e| e.abs() < 1e-14), "{asymmetry:?}");
+        }
+    }
+}
+
+#[test]
+fn matrices_that_cannot_be_solved_are_errors() {
+    let kinds = [
+        TIGHT,
+        #[cfg(feature = "cholesky")]
+        SolverKind::Cholesky,
+    ];
+    for kind in kinds {
+        let solve = |spoil: &dyn Fn(&mut System<f64>)| {
+            let mut system = system(5);
+            spoil(&mut system);
+            let mut d = vec![V3::zero(); system.rhs.len()];
+            solver(kind, system.matrix.pattern()).solve(&system.matrix, &system.rhs, &mut d, TARGET).unwrap_err()
+        };
+        assert_eq!(solve(&|s| s.rhs[3].0[1] = f64::NAN), SolveError::NotFinite, "{kind:?}");
+        assert_eq!(solve(&|s| *s.matrix.diagonal_mut(2) = M3::zero() * f64::NAN), SolveError::NotFinite, "{kind:?}");
+        let indefinite = solve(&|s| {
+            for block in &mut s.matrix.blocks {
+                *block = -*block;
+            }
+        });
+        assert_eq!(indefinite, SolveError::NotPositiveDefinite, "{kind:?}");
+    }
+}
