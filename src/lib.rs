@@ -1,0 +1,54 @@
+//! Cloth for Bevy by implicit finite elements: fabrics in real units that hang, swing and drape the same at every mesh
+//! resolution, time step and solver setting.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_cloth::prelude::*;
+//!
+//! fn spawn_flag(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+//!     let sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(30);
+//!     commands.spawn((
+//!         Mesh3d(meshes.add(sheet)),
+//!         Transform::from_xyz(0.0, 2.0, 0.0),
+//!         ClothMesh::default(),
+//!         ClothMaterial::cotton(),
+//!         ClothPins::where_position(|p| p.y > 0.49),
+//!     ));
+//! }
+//!
+//! App::new()
+//!     .add_plugins(ClothPlugin::default()) // beside DefaultPlugins
+//!     .add_systems(Startup, spawn_flag);
+//! ```
+//!
+//! # Where things are
+//! A mesh becomes elements, elements become A and b, A is solved, positions go back to the mesh:
+//!
+//! 1. [`physics::mesh`]: triangle mesh → [`RestShape`](physics::RestShape): welded vertices, triangles with warp and weft,
+//!    hinges.
+//! 2. [`physics::energy`]: one file per energy, written over a number type: f64, or several f32 elements side by side.
+//! 3. [`physics::assembly`]: batches of elements → the system A d = b of an implicit step.
+//! 4. [`physics::solve`]: solvers of that system.
+//! 5. [`physics::Cloth`]: state and step. All of `physics` works without an App.
+//! 6. [`plugin`]: the ECS side: reads meshes, carries transforms and pins in, steps all cloths, writes meshes back; it says
+//!    which system runs when.
+//!
+//! A new energy goes beside [`physics::energy::membrane`], a new solver or preconditioner beside
+//! [`physics::solve::ConjugateGradient`], a new fabric into [`physics::material`].
+
+#![warn(missing_docs)]
+
+pub mod physics;
+pub mod plugin;
+
+/// What a game needs.
+pub mod prelude {
+    pub use crate::physics::{Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings};
+    pub use crate::plugin::{
+        ATTRIBUTE_CLOTH_PIN, ClothDiagnosticsPlugin, ClothDisabled, ClothError, ClothGravity, ClothMaterial, ClothMesh,
+        ClothPinTargets, ClothPins, ClothPlugin, ClothReset, ClothSolver, ClothState, ClothSystems, PinChannel,
+        PinRule, PinVertex,
+    };
+    #[cfg(feature = "debug")]
+    pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};
+}

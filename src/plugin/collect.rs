@@ -1,0 +1,151 @@
+//! What the world says, handed to the physics before a step.
+
+use bevy::math::{DAffine3, DVec3};
+use bevy::prelude::*;
+
+use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets, ClothSolver};
+use super::error::ClothError;
+use super::material::ClothMaterial;
+use super::pins::ClothPins;
+use super::state::{ClothState, representatives, rest_shape, same_scale, usable};
+use crate::physics::Cloth;
+
+type Described<'a> = (
+    Entity,
+    &'a mut ClothState,
+    &'a ClothMesh,
+    Option<&'a ClothMaterial>,
+    Option<&'a ClothSolver>,
+    Option<Ref<'a, ClothPins>>,
+    Option<&'a ClothPinTargets>,
+    Has<ClothDisabled>,
+    &'a GlobalTransform,
+);
+
+/// See [`ClothSystems::Collect`](super::ClothSystems::Collect).
+pub(super) fn collect(
+    gravity: Res<ClothGravity>,
+    meshes: Res<Assets<Mesh>>,
+    transforms: TransformHelper,
+    mut cloths: Query<Described>,
+) {
+    for (entity, mut state, cloth_mesh, material, solver, pins, targets, disabled, propagated) in &mut cloths {
+        let state = &mut *state;
+        state.collect_settings(material, solver, gravity.as_dvec3());
+        state.collect_pin_rules(pins, &meshes);
+        if disabled {
+            state.suspended = true;
+            continue;
+        }
+        // The transform as it is now, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
+        let transform = transforms.compute_global_transform(entity).unwrap_or(*propagated);
+        state.collect_transform(&transform, cloth_mesh.teleport_distance.into());
+        if !state.suspended {
+            state.place_pins(targets);
+        }
+    }
+}
+
+impl ClothState {
+    fn collect_settings(&mut self, material: Option<&ClothMaterial>, solver: Option<&ClothSolver>, gravity: DVec3) {
+        if let Some(material) = material
+            && (material.0 != *self.cloth.fabric() || self.faults.material.is_some())
+        {
+            self.faults.material = self.cloth.set_fabric(material.0).err().map(Into::into);
+        }
+        if let Some(solver) = solver
+            && (solver.0 != *self.cloth.settings() || self.faults.solver.is_some())
+        {
+            self.faults.solver = solver.validate().err().map(Into::into);
+            if self.faults.solver.is_none() {
+                self.cloth.set_settings(solver.0);
+            }
+        }
+        if gravity != self.cloth.gravity() {
+            self.cloth.set_gravity(gravity);
+        }
+    }
+
+    /// Evaluates the rules when they changed; keeps the pins there are if they are wrong.
+    fn collect_pin_rules(&mut self, rules: Option<Ref<ClothPins>>, meshes: &Assets<Mesh>) {
+        let changed = rules.as_ref().map(Ref::last_changed);
+        if changed == self.pins_changed {
+            return;
+        }
+        // The own copy has every attribute that the source had, and cannot be unloaded.
+        let Some(mesh) = meshes.get(&self.binding.own) else { return };
+        let resolved = match rules {
+            Some(rules) => rules.resolve(mesh, &self.binding.mesh.positions, &self.binding.shading.rest_normals),
+            None => Ok(Vec::new()),
+        };
+        self.pins_changed = changed;
+        self.faults.pins = resolved.map(|pins| self.pins = pins).err();
+    }
+
+    /// Takes over the transform of the entity: followed by the pins, or carried to at once after a jump. Without a usable
+    /// one the cloth waits.
+    fn collect_transform(&mut self, transform: &GlobalTransform, teleport_distance: f64) {
+        let followed = usable(transform).and_then(|anchor| {
+            let centre = self.binding.centre;
+            let moved = anchor.transform_point3(centre).distance(self.anchor.transform_point3(centre));
+            if !same_scale(self.binding.rest_linear, anchor.matrix3) {
+                return self.rescale_to(anchor);
+            }
+            if self.suspended || moved > teleport_distance {
+                self.carry_to(anchor);
+            } else {
+                self.previous_anchor = self.anchor;
+                self.anchor = anchor;
+            }
+            Ok(())
+        });
+        self.suspended = followed.is_err();
+        self.faults.transform = followed.err();
+    }
+
+    /// Measures the rest shape again under a transform of another scale, and keeps the deformation.
+    fn rescale_to(&mut self, anchor: DAffine3) -> Result<(), ClothError> {
+        let Self { cloth: old, binding, .. } = self;
+        let shape = rest_shape(&binding.mesh, anchor.matrix3, &binding.options)?;
+        let representatives = representatives(&shape);
+        let same_vertices = shape.simulated == old.shape().simulated;
+        let mut cloth = Cloth::new(shape, *old.fabric(), *old.settings())?;
+        cloth.set_gravity(old.gravity());
+        if same_vertices {
+            cloth.set_state(old.positions(), old.velocities());
+        }
+        self.cloth = cloth;
+        binding.representatives = representatives;
+        binding.rest_linear = anchor.matrix3;
+        if same_vertices {
+            self.carry_to(anchor);
+        } else {
+            // An absolute weld distance joins other vertices at another scale.
+            self.rest_at(anchor);
+        }
+        Ok(())
+    }
+
+    /// Tells the physics where held vertices are to be at the end of the step.
+    fn place_pins(&mut self, targets: Option<&ClothPinTargets>) {
+        let Self { cloth, binding, pins, anchor, .. } = self;
+        cloth.clear_pins();
+        for &vertex in &*pins {
+            if let Some(simulated) = cloth.shape().simulated[vertex as usize] {
+                let local = binding.local(binding.representatives[simulated as usize]);
+                cloth.pin(simulated, anchor.transform_point3(local));
+            }
+        }
+        self.faults.pin_targets = None;
+        for (&vertex, place) in targets.iter().flat_map(|targets| &targets.0) {
+            let count = binding.mesh.positions.len() as u32;
+            if vertex >= count {
+                self.faults.pin_targets = Some(ClothError::PinTargetIndex { vertex, count });
+            } else if !place.is_finite() {
+                self.faults.pin_targets = Some(ClothError::PinTargetNotFinite { vertex });
+            } else if let Some(simulated) = cloth.shape().simulated[vertex as usize] {
+                cloth.pin(simulated, anchor.transform_point3(place.as_dvec3()));
+            }
+        }
+    }
+}

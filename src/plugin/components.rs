@@ -1,0 +1,103 @@
+//! What a user puts on an entity, pins aside.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+
+use super::error::ClothError;
+use super::material::ClothMaterial;
+use super::pins::ClothPins;
+use crate::physics::{RestShapeOptions, SolverSettings};
+
+/// Makes the mesh of this entity's [`Mesh3d`] cloth.
+///
+/// The mesh as it stands, scaled by the entity's transform, is the undeformed cloth. The entity gets a copy of its own,
+/// so several cloths may share a mesh handle. Changing any field but [`ClothMesh::teleport_distance`] builds the cloth
+/// again, at rest. Removing the component ends the simulation and leaves the mesh as it was draped; trigger
+/// [`ClothReset`](super::ClothReset) first, or set [`Mesh3d`] to
+/// [`ClothState::source_mesh`](super::ClothState::source_mesh), to have it undeformed. Added again, it takes the
+/// mesh as it then is for the undeformed one.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(ClothMaterial, ClothPins, ClothSolver, Transform)]
+pub struct ClothMesh {
+    /// Vertices nearer than this are one (they are split along seams of normals and texture coordinates), m. `None`: 1e-5
+    /// of the diagonal of the mesh.
+    pub weld_distance: Option<f32>,
+    /// Take the warp direction from the texture coordinates (growing u) where there are usable ones.
+    pub warp_from_uvs: bool,
+    /// Angle from growing u to the warp, rad, counter-clockwise seen against the normal.
+    pub warp_angle: f32,
+    /// The fabric is flat at rest: folds modelled into the mesh try to open.
+    pub rest_flat: bool,
+    /// A pinned or free cloth whose transform moves it further than this in one step is carried along as it is, with its
+    /// folds, instead of being dragged, m. Infinity: never.
+    pub teleport_distance: f32,
+}
+
+impl Default for ClothMesh {
+    fn default() -> Self {
+        Self { weld_distance: None, warp_from_uvs: true, warp_angle: 0.0, rest_flat: false, teleport_distance: 2.0 }
+    }
+}
+
+impl ClothMesh {
+    /// Refuses what is not a number: it would not even equal itself.
+    pub(super) fn validate(&self) -> Result<(), ClothError> {
+        let distance = |value: f32| value >= 0.0 && value.is_finite();
+        let fields = [
+            ("weld_distance", self.weld_distance.is_none_or(distance)),
+            ("warp_angle", self.warp_angle.is_finite()),
+            ("teleport_distance", self.teleport_distance >= 0.0),
+        ];
+        match fields.into_iter().find(|(_, valid)| !valid) {
+            Some((field, _)) => Err(ClothError::Description { field }),
+            None => Ok(()),
+        }
+    }
+
+    /// What the physics needs to know.
+    pub(super) fn rest_shape_options(&self) -> RestShapeOptions {
+        RestShapeOptions {
+            weld_distance: self.weld_distance.map(f64::from),
+            warp_from_uvs: self.warp_from_uvs,
+            warp_angle: self.warp_angle.into(),
+            rest_flat: self.rest_flat,
+        }
+    }
+}
+
+/// How the cloth is solved: accuracy and cost, never the look of the material.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ClothSolver(pub SolverSettings);
+
+/// Freezes a cloth: no cost, the mesh stays as it is and moves rigidly with the entity. Once the component is removed, the
+/// cloth goes on from there.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ClothDisabled;
+
+/// Vertices held at given places, to grab and move cloth at run time: vertex of the mesh → place in the entity's space.
+///
+/// They are held whether or not [`ClothPins`] pins them, and reach the place exactly at the end of the next step. Remove
+/// an entry to let go.
+#[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ClothPinTargets(pub BTreeMap<u32, Vec3>);
+
+/// Acceleration of gravity for every cloth, m/s².
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Deref, DerefMut, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct ClothGravity(pub Vec3);
+
+impl Default for ClothGravity {
+    fn default() -> Self {
+        Self(Vec3::new(0.0, -9.81, 0.0))
+    }
+}

@@ -1,0 +1,160 @@
+//! What can be wrong with a cloth, and what to do about it.
+
+use bevy::ecs::name::NameOrEntityItem;
+use bevy::prelude::*;
+use thiserror::Error;
+
+use super::state::ClothState;
+use crate::physics::{MaterialError, MeshError, SettingsError};
+
+/// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
+///
+/// Inserted on the entity and logged once; removed again when the cause is gone. A cloth that already runs goes on with
+/// its last good settings; one that could not start is tried again when one of its components or its mesh changes.
+#[derive(Component, Clone, Debug, Error, Reflect)]
+#[reflect(Component, Clone, Debug)]
+pub enum ClothError {
+    /// No [`Mesh3d`].
+    #[error("there is no mesh: add `Mesh3d` beside `ClothMesh`")]
+    NoMesh,
+    /// A field of [`ClothMesh`](super::ClothMesh) is not a finite number, or is negative where it must not be.
+    #[error("`ClothMesh::{field}` must be finite, and a distance not negative")]
+    Description {
+        /// The field.
+        field: &'static str,
+    },
+    /// The mesh asset failed to load.
+    #[error("the mesh did not load: {reason}")]
+    MeshNotLoaded {
+        /// What the asset server says.
+        reason: String,
+    },
+    /// The mesh has been moved to the render world.
+    #[error(
+        "the mesh is in the render world only: load or build it with `RenderAssetUsages::default()`, which includes \
+         MAIN_WORLD"
+    )]
+    MeshExtracted,
+    /// The mesh is no surface.
+    #[error("the mesh is a {topology}: cloth needs a TriangleList or TriangleStrip")]
+    Topology {
+        /// Its topology.
+        topology: String,
+    },
+    /// No positions, or not three f32 each.
+    #[error("the positions of the mesh are {found}: cloth needs `Mesh::ATTRIBUTE_POSITION` as Float32x3")]
+    Positions {
+        /// What there is.
+        found: String,
+    },
+    /// The geometry cannot be cloth.
+    #[error("{0}: repair the mesh, or check `ClothMesh::weld_distance` and the scale of the entity")]
+    Mesh(#[from] MeshError),
+    /// A rule of [`ClothPins`](super::ClothPins) names a vertex that does not exist.
+    #[error("`ClothPins` names vertex {vertex}, but the mesh has {count} vertices")]
+    PinIndex {
+        /// The vertex named.
+        vertex: u32,
+        /// Number of vertices.
+        count: u32,
+    },
+    /// A rule of [`ClothPins`](super::ClothPins) names an attribute that the mesh has not, or not in this format.
+    #[error("`ClothPins` needs the vertex attribute `{attribute}` as {format}: the mesh has {found}")]
+    PinAttribute {
+        /// Name of the attribute.
+        attribute: String,
+        /// The format needed.
+        format: String,
+        /// The format found, or "none".
+        found: String,
+    },
+    /// [`ClothPinTargets`](super::ClothPinTargets) names a vertex that does not exist.
+    #[error("`ClothPinTargets` names vertex {vertex}, but the mesh has {count} vertices")]
+    PinTargetIndex {
+        /// The vertex named.
+        vertex: u32,
+        /// Number of vertices.
+        count: u32,
+    },
+    /// A place in [`ClothPinTargets`](super::ClothPinTargets) is NaN or infinite.
+    #[error("`ClothPinTargets` holds vertex {vertex} at a place that is not finite")]
+    PinTargetNotFinite {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// The fabric cannot exist.
+    #[error("`ClothMaterial`: {0}")]
+    Material(#[from] MaterialError),
+    /// The settings of the solver cannot be used.
+    #[error("`ClothSolver`: {0}")]
+    Solver(#[from] SettingsError),
+    /// The transform is not finite, or squashes the cloth.
+    #[error("the transform of the entity is not finite or has a scale of zero: the cloth waits until it is usable")]
+    Transform,
+    /// The last step failed: the cloth kept its place and lost its velocity.
+    #[error(
+        "the last step was rejected ({reason}): the cloth keeps its place; look for pins that are too far apart, gravity \
+         that is not finite, extreme constants of the material or a huge time step"
+    )]
+    Diverged {
+        /// What the solver says.
+        reason: String,
+    },
+}
+
+impl ClothError {
+    /// Whether both say the same. (Not `PartialEq`: constants that are NaN must equal themselves here.)
+    pub(super) fn same_as(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+/// What is wrong with a cloth that runs, by what checks it.
+#[derive(Default)]
+pub(super) struct Faults {
+    /// Building it again failed.
+    pub rebuild: Option<ClothError>,
+    pub transform: Option<ClothError>,
+    pub material: Option<ClothError>,
+    pub solver: Option<ClothError>,
+    pub pins: Option<ClothError>,
+    pub pin_targets: Option<ClothError>,
+    pub diverged: Option<ClothError>,
+}
+
+impl Faults {
+    /// The one to tell the user about first.
+    pub fn first(&self) -> Option<&ClothError> {
+        [&self.rebuild, &self.transform, &self.material, &self.solver, &self.pins, &self.pin_targets, &self.diverged]
+            .into_iter()
+            .find_map(Option::as_ref)
+    }
+}
+
+/// Brings the [`ClothError`] of an entity up to date, and logs a new one.
+pub(super) fn report(
+    commands: &mut Commands,
+    name: &NameOrEntityItem,
+    shown: Option<&ClothError>,
+    error: Option<&ClothError>,
+) {
+    let Ok(mut entity) = commands.get_entity(name.entity) else { return };
+    match (shown, error) {
+        (Some(shown), Some(error)) if shown.same_as(error) => {}
+        (_, Some(error)) => {
+            tracing::error!("cloth {name}: {error}");
+            entity.try_insert(error.clone());
+        }
+        (Some(_), None) => {
+            entity.try_remove::<ClothError>();
+        }
+        (None, None) => {}
+    }
+}
+
+/// Shows on each running cloth what is wrong with it.
+pub(super) fn report_faults(mut commands: Commands, cloths: Query<(NameOrEntity, &ClothState, Option<&ClothError>)>) {
+    for (name, state, shown) in &cloths {
+        report(&mut commands, &name, shown, state.faults.first());
+    }
+}

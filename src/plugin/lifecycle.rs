@@ -1,0 +1,34 @@
+//! Back to rest, and the end of a cloth.
+
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::prelude::*;
+
+use super::components::ClothMesh;
+use super::error::ClothError;
+use super::state::{ClothState, usable};
+
+/// Trigger it to put a cloth back to rest, undeformed, where its entity is now:
+/// `commands.trigger(ClothReset { entity })`.
+#[derive(EntityEvent, Clone, Copy, Debug, Reflect)]
+pub struct ClothReset {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+pub(super) fn reset(
+    reset: On<ClothReset>,
+    transforms: TransformHelper,
+    mut cloths: Query<(&mut ClothState, &GlobalTransform)>,
+) {
+    let Ok((mut state, propagated)) = cloths.get_mut(reset.entity) else { return };
+    let transform = transforms.compute_global_transform(reset.entity).unwrap_or(*propagated);
+    let anchor = usable(&transform).unwrap_or(state.anchor);
+    state.rest_at(anchor);
+}
+
+/// The mesh stays as it was draped.
+pub(super) fn end(removed: On<Remove, ClothMesh>, mut commands: Commands) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<(ClothState, ClothError, NoAutoAabb)>();
+    }
+}

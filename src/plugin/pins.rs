@@ -1,0 +1,253 @@
+//! Which vertices are held.
+
+use std::fmt;
+use std::sync::Arc;
+
+use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues, VertexFormat};
+use bevy::prelude::*;
+
+use super::error::ClothError;
+
+/// Weight of a vertex's pin: above ½ it is held by [`ClothPins::default`].
+///
+/// For a glTF attribute `_CLOTH_PIN`, add
+/// `GltfPlugin::default().add_custom_vertex_attribute("CLOTH_PIN", ATTRIBUTE_CLOTH_PIN)` to the app: Bevy takes the
+/// underscore away.
+pub const ATTRIBUTE_CLOTH_PIN: MeshVertexAttribute =
+    MeshVertexAttribute::new("ClothPin", 0x00c1_07b8_91a5_3e42, VertexFormat::Float32);
+
+/// The vertices that are held at their place in the mesh, wherever the entity's transform takes it.
+///
+/// By default the vertices whose [`ATTRIBUTE_CLOTH_PIN`] is above ½, if the mesh has it; else none, and the cloth moves
+/// freely in the world. A cloth without pins follows its transform only when it starts and when it is teleported.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_cloth::plugin::ClothPins;
+/// let corners_and_hem = ClothPins::indices([0, 15]).or(ClothPins::where_position(|p| p.y < 0.01));
+/// ```
+#[derive(Component, Clone, Debug, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, Debug)]
+pub struct ClothPins {
+    /// A vertex is held if any of these says so.
+    pub rules: Vec<PinRule>,
+    /// As `rules`, but code: neither reflected nor serialised.
+    #[reflect(ignore)]
+    #[cfg_attr(feature = "serialize", serde(skip))]
+    predicates: Vec<PinPredicate>,
+}
+
+/// A rule that chooses vertices. Indices and attributes are those of the mesh asset.
+#[derive(Clone, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum PinRule {
+    /// [`ATTRIBUTE_CLOTH_PIN`] above ½; nothing on a mesh without it.
+    Authored,
+    /// These vertices.
+    Indices(Vec<u32>),
+    /// The attribute of this name, one f32 per vertex, is above the threshold.
+    Attribute {
+        /// [`MeshVertexAttribute::name`].
+        name: String,
+        /// Lower bound.
+        threshold: f32,
+    },
+    /// The channel of [`Mesh::ATTRIBUTE_COLOR`] is above the threshold.
+    Color {
+        /// The channel.
+        channel: PinChannel,
+        /// Lower bound.
+        threshold: f32,
+    },
+    /// Inside an axis-aligned box, borders included, in the space of the mesh.
+    Box {
+        /// Lower corner.
+        min: Vec3,
+        /// Upper corner.
+        max: Vec3,
+    },
+}
+
+/// A channel of a vertex colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum PinChannel {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+}
+
+/// A vertex that a predicate decides on, in the space of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinVertex {
+    /// Index in the mesh.
+    pub index: u32,
+    /// Rest position.
+    pub position: Vec3,
+    /// Rest normal, of length 1.
+    pub normal: Vec3,
+    /// [`Mesh::ATTRIBUTE_UV_0`].
+    pub uv: Option<Vec2>,
+    /// [`Mesh::ATTRIBUTE_COLOR`].
+    pub color: Option<Vec4>,
+}
+
+#[derive(Clone)]
+struct PinPredicate(Arc<dyn Fn(&PinVertex) -> bool + Send + Sync>);
+
+impl fmt::Debug for PinPredicate {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("predicate")
+    }
+}
+
+impl Default for ClothPins {
+    fn default() -> Self {
+        PinRule::Authored.into()
+    }
+}
+
+impl From<PinRule> for ClothPins {
+    fn from(rule: PinRule) -> Self {
+        Self { rules: vec![rule], predicates: Vec::new() }
+    }
+}
+
+impl ClothPins {
+    /// No vertex, whatever the mesh says.
+    pub const fn none() -> Self {
+        Self { rules: Vec::new(), predicates: Vec::new() }
+    }
+
+    /// These vertices of the mesh.
+    pub fn indices(indices: impl IntoIterator<Item = u32>) -> Self {
+        PinRule::Indices(indices.into_iter().collect()).into()
+    }
+
+    /// Vertices whose rest position, in the space of the mesh, satisfies the predicate.
+    pub fn where_position(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
+        Self::where_vertex(move |vertex| predicate(vertex.position))
+    }
+
+    /// Vertices that satisfy the predicate.
+    pub fn where_vertex(predicate: impl Fn(&PinVertex) -> bool + Send + Sync + 'static) -> Self {
+        Self { rules: Vec::new(), predicates: vec![PinPredicate(Arc::new(predicate))] }
+    }
+
+    /// Vertices whose attribute (one f32 each) is above `threshold`.
+    pub fn where_attribute(attribute: MeshVertexAttribute, threshold: f32) -> Self {
+        PinRule::Attribute { name: attribute.name.into(), threshold }.into()
+    }
+
+    /// Vertices whose colour is above `threshold` in this channel.
+    pub fn where_color(channel: PinChannel, threshold: f32) -> Self {
+        PinRule::Color { channel, threshold }.into()
+    }
+
+    /// Vertices inside an axis-aligned box in the space of the mesh, borders included.
+    pub fn in_box(min: Vec3, max: Vec3) -> Self {
+        PinRule::Box { min, max }.into()
+    }
+
+    /// What either holds.
+    pub fn or(mut self, other: Self) -> Self {
+        self.rules.extend(other.rules);
+        self.predicates.extend(other.predicates);
+        self
+    }
+
+    /// The vertices of a mesh that are held, in order. `mesh` gives the attributes, the slices the rest state.
+    pub(super) fn resolve(&self, mesh: &Mesh, positions: &[Vec3], normals: &[Vec3]) -> Result<Vec<u32>, ClothError> {
+        let mut held = vec![false; positions.len()];
+        for rule in &self.rules {
+            rule.mark(mesh, positions, &mut held)?;
+        }
+        if !self.predicates.is_empty() {
+            let uvs = match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
+                Ok(VertexAttributeValues::Float32x2(uvs)) => Some(uvs),
+                _ => None,
+            };
+            let colors = colors(mesh);
+            for (index, held) in held.iter_mut().enumerate() {
+                let vertex = PinVertex {
+                    index: index as u32,
+                    position: positions[index],
+                    normal: normals[index],
+                    uv: uvs.and_then(|uvs| uvs.get(index)).map(|&uv| uv.into()),
+                    color: colors.and_then(|colors| colors.get(index)).map(|&color| color.into()),
+                };
+                *held |= self.predicates.iter().any(|predicate| predicate.0(&vertex));
+            }
+        }
+        Ok((0..).zip(held).filter_map(|(index, held)| held.then_some(index)).collect())
+    }
+}
+
+impl PinRule {
+    fn mark(&self, mesh: &Mesh, positions: &[Vec3], held: &mut [bool]) -> Result<(), ClothError> {
+        match self {
+            Self::Authored => {
+                if let Some(weights) = attribute(mesh, ATTRIBUTE_CLOTH_PIN.name) {
+                    mark_above(held, weights?.iter().copied(), 0.5);
+                }
+            }
+            Self::Indices(indices) => {
+                let count = held.len() as u32;
+                for &vertex in indices {
+                    *held.get_mut(vertex as usize).ok_or(ClothError::PinIndex { vertex, count })? = true;
+                }
+            }
+            Self::Attribute { name, threshold } => {
+                let missing = || Err(missing_attribute(name, VertexFormat::Float32, None));
+                let values = attribute(mesh, name).unwrap_or_else(missing)?;
+                mark_above(held, values.iter().copied(), *threshold);
+            }
+            Self::Color { channel, threshold } => {
+                let colors = colors(mesh).ok_or_else(|| {
+                    let found = mesh.try_attribute(Mesh::ATTRIBUTE_COLOR).ok();
+                    missing_attribute(Mesh::ATTRIBUTE_COLOR.name, VertexFormat::Float32x4, found)
+                })?;
+                mark_above(held, colors.iter().map(|color| color[*channel as usize]), *threshold);
+            }
+            Self::Box { min, max } => {
+                for (held, position) in held.iter_mut().zip(positions) {
+                    *held |= position.cmpge(*min).all() && position.cmple(*max).all();
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn mark_above(held: &mut [bool], values: impl Iterator<Item = f32>, threshold: f32) {
+    for (held, value) in held.iter_mut().zip(values) {
+        *held |= value > threshold;
+    }
+}
+
+fn colors(mesh: &Mesh) -> Option<&[[f32; 4]]> {
+    match mesh.try_attribute(Mesh::ATTRIBUTE_COLOR) {
+        Ok(VertexAttributeValues::Float32x4(colors)) => Some(colors),
+        _ => None,
+    }
+}
+
+/// The f32 attribute of this name; `None` if there is no attribute of the name.
+fn attribute<'a>(mesh: &'a Mesh, name: &str) -> Option<Result<&'a [f32], ClothError>> {
+    let (_, values) = mesh.try_attributes().ok()?.find(|(attribute, _)| attribute.name == name)?;
+    Some(match values {
+        VertexAttributeValues::Float32(values) => Ok(values),
+        _ => Err(missing_attribute(name, VertexFormat::Float32, Some(values))),
+    })
+}
+
+fn missing_attribute(name: &str, format: VertexFormat, found: Option<&VertexAttributeValues>) -> ClothError {
+    ClothError::PinAttribute {
+        attribute: name.into(),
+        format: format!("{format:?}"),
+        found: found.map_or("none".into(), |values| format!("{:?}", VertexFormat::from(values))),
+    }
+}

@@ -1,0 +1,179 @@
+//! A running cloth.
+
+use bevy::asset::Handle;
+use bevy::ecs::change_detection::Tick;
+use bevy::math::{DAffine3, DMat3, DVec3};
+use bevy::prelude::*;
+
+use super::error::{ClothError, Faults};
+use super::mesh_io::SourceMesh;
+use super::shading::Shading;
+use crate::physics::{Cloth, MeshError, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
+
+/// The simulation of an entity with [`ClothMesh`](super::ClothMesh): inserted once its mesh is there.
+#[derive(Component)]
+pub struct ClothState {
+    pub(super) cloth: Cloth,
+    pub(super) binding: Binding,
+    /// Vertices of the mesh that the rules hold, and when the rules last changed.
+    pub(super) pins: Vec<u32>,
+    pub(super) pins_changed: Option<Tick>,
+
+    /// Positions before the last step, m.
+    pub(super) previous_positions: Vec<DVec3>,
+    /// The entity's transform in the last step and the one before, from mesh to world.
+    pub(super) anchor: DAffine3,
+    pub(super) previous_anchor: DAffine3,
+    /// Stepped since it was placed: only then is there anything to interpolate.
+    pub(super) stepped: bool,
+    /// Disabled, or without a usable transform: not stepped, and carried along when it resumes.
+    pub(super) suspended: bool,
+    /// Counts changes of the positions.
+    pub(super) revision: u64,
+
+    pub(super) shown: Shown,
+    pub(super) report: Option<StepReport>,
+    pub(super) faults: Faults,
+}
+
+/// How the cloth hangs together with its mesh.
+pub(super) struct Binding {
+    pub source: Handle<Mesh>,
+    pub own: Handle<Mesh>,
+    pub options: RestShapeOptions,
+    pub mesh: SourceMesh,
+    pub shading: Shading,
+    /// A vertex of the mesh for each simulated one.
+    pub representatives: Vec<u32>,
+    /// Linear part of the transform that the rest shape was measured with.
+    pub rest_linear: DMat3,
+    /// Mean of the rest positions in the space of the mesh.
+    pub centre: DVec3,
+    /// Built in this frame.
+    pub fresh: bool,
+}
+
+/// What the own mesh shows, in its space.
+pub(super) struct Shown {
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<[f32; 3]>,
+    /// What it was computed from: nothing is written while this stays the same.
+    pub from: Option<ShownFrom>,
+}
+
+#[derive(PartialEq)]
+pub(super) struct ShownFrom {
+    pub revision: u64,
+    pub alpha: f32,
+    /// World to mesh.
+    pub frame: DAffine3,
+}
+
+impl ClothState {
+    /// The physics: positions, velocities, energy, stretch, in world space.
+    pub fn cloth(&self) -> &Cloth {
+        &self.cloth
+    }
+
+    /// The mesh asset that the cloth was made of, as [`Mesh3d`] was set.
+    pub fn source_mesh(&self) -> &Handle<Mesh> {
+        &self.binding.source
+    }
+
+    /// The copy that this cloth deforms: what [`Mesh3d`] is now.
+    pub fn own_mesh(&self) -> &Handle<Mesh> {
+        &self.binding.own
+    }
+
+    /// The simulated vertex that moves a vertex of the mesh; `None` for a vertex without triangle.
+    pub fn simulated_vertex(&self, mesh_vertex: u32) -> Option<u32> {
+        *self.cloth.shape().simulated.get(mesh_vertex as usize)?
+    }
+
+    /// Vertices of the mesh held by [`ClothPins`](super::ClothPins), in order.
+    pub fn pinned_vertices(&self) -> &[u32] {
+        &self.pins
+    }
+
+    /// How the last step went.
+    pub fn last_report(&self) -> Option<&StepReport> {
+        self.report.as_ref()
+    }
+
+    /// Moves the cloth as it is, velocities included, and carries the anchor along.
+    pub(super) fn carry_to(&mut self, anchor: DAffine3) {
+        self.cloth.transform(anchor * self.anchor.inverse());
+        self.anchor = anchor;
+        self.settle();
+    }
+
+    /// Puts the cloth at rest under the transform `anchor`.
+    pub(super) fn rest_at(&mut self, anchor: DAffine3) {
+        self.anchor = anchor;
+        let positions = self.binding.rest_positions(anchor);
+        self.cloth.set_state(&positions, &vec![DVec3::ZERO; positions.len()]);
+        self.settle();
+    }
+
+    /// After a jump: there is nothing to interpolate from.
+    fn settle(&mut self) {
+        self.previous_anchor = self.anchor;
+        self.previous_positions.clear();
+        self.previous_positions.extend_from_slice(self.cloth.positions());
+        self.stepped = false;
+        self.revision += 1;
+    }
+
+    /// Whether any vertex is held, so that the cloth belongs to its entity rather than to the world.
+    pub(super) fn is_anchored(&self) -> bool {
+        !self.pins.is_empty() || self.cloth.pinned().next().is_some()
+    }
+}
+
+impl Binding {
+    /// Rest positions of the simulated vertices under a transform, m.
+    pub fn rest_positions(&self, transform: DAffine3) -> Vec<DVec3> {
+        self.representatives.iter().map(|&vertex| transform.transform_point3(self.local(vertex))).collect()
+    }
+
+    /// Rest position of a vertex in the space of the mesh.
+    pub fn local(&self, vertex: u32) -> DVec3 {
+        self.mesh.positions[vertex as usize].as_dvec3()
+    }
+}
+
+/// The rest shape of a mesh scaled by the linear part of a transform.
+pub(super) fn rest_shape(mesh: &SourceMesh, linear: DMat3, options: &RestShapeOptions) -> Result<RestShape, MeshError> {
+    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| linear * p.as_dvec3()).collect();
+    let uvs = mesh.uvs.as_deref();
+    RestShape::new(&SurfaceMesh { positions: &positions, triangles: &mesh.triangles, uvs }, options)
+}
+
+/// A vertex of the mesh for each simulated one.
+pub(super) fn representatives(shape: &RestShape) -> Vec<u32> {
+    let mut representatives = vec![0; shape.vertex_count()];
+    for (vertex, simulated) in shape.simulated.iter().enumerate().rev() {
+        if let Some(simulated) = simulated {
+            representatives[*simulated as usize] = vertex as u32;
+        }
+    }
+    representatives
+}
+
+/// The affine map of a transform in f64, if it is one that cloth can live under.
+pub(super) fn usable(transform: &GlobalTransform) -> Result<DAffine3, ClothError> {
+    let affine = transform.affine().as_daffine3();
+    let axes = [affine.matrix3.x_axis, affine.matrix3.y_axis, affine.matrix3.z_axis].map(DVec3::length);
+    let (shortest, longest) = axes.iter().fold((f64::MAX, 0.0_f64), |(s, l), &a| (s.min(a), l.max(a)));
+    let volume = axes.iter().product::<f64>();
+    let flat = shortest <= 1e-6 * longest || affine.matrix3.determinant().abs() <= 1e-6 * volume;
+    if affine.is_finite() && !flat { Ok(affine) } else { Err(ClothError::Transform) }
+}
+
+/// Whether two linear maps measure lengths alike, up to a relative 1e-4: they differ by a rotation only.
+pub(super) fn same_scale(a: DMat3, b: DMat3) -> bool {
+    let [g, h] = [a.transpose() * a, b.transpose() * b];
+    let largest = |m: DMat3| m.to_cols_array().into_iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+    // Squares differ by twice as much.
+    largest(g - h) <= 2e-4 * largest(g) && a.determinant() * b.determinant() > 0.0
+}

@@ -1,0 +1,79 @@
+//! Components are visible to inspectors and scene files.
+
+mod common;
+
+use core::any::TypeId;
+
+use bevy::prelude::*;
+use bevy::reflect::{GetPath, TypeRegistration};
+use bevy_cloth::physics::Fabric;
+use bevy_cloth::plugin::*;
+use common::*;
+
+fn registration<T: 'static>(app: &App) -> TypeRegistration {
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    registry.get(TypeId::of::<T>()).unwrap_or_else(|| panic!("{}", core::any::type_name::<T>())).clone()
+}
+
+#[test]
+fn everything_is_registered() {
+    let app = app();
+    let components = [
+        registration::<ClothMesh>(&app),
+        registration::<ClothMaterial>(&app),
+        registration::<ClothPins>(&app),
+        registration::<ClothPinTargets>(&app),
+        registration::<ClothSolver>(&app),
+        registration::<ClothDisabled>(&app),
+        registration::<ClothError>(&app),
+    ];
+    for component in components {
+        assert!(component.data::<ReflectComponent>().is_some(), "{component:?}");
+    }
+    assert!(registration::<ClothGravity>(&app).data::<ReflectResource>().is_some());
+    registration::<Fabric>(&app);
+    registration::<PinRule>(&app);
+}
+
+#[cfg(feature = "serialize")]
+#[test]
+fn what_a_user_writes_is_serialisable() {
+    use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+    let app = app();
+    let written = [
+        registration::<ClothMesh>(&app),
+        registration::<ClothMaterial>(&app),
+        registration::<ClothPins>(&app),
+        registration::<ClothPinTargets>(&app),
+        registration::<ClothSolver>(&app),
+        registration::<ClothDisabled>(&app),
+        registration::<ClothGravity>(&app),
+    ];
+    for component in written {
+        let both = component.data::<ReflectSerialize>().is_some() && component.data::<ReflectDeserialize>().is_some();
+        assert!(both, "{component:?}");
+    }
+}
+
+#[test]
+fn an_inspector_can_edit_a_running_cloth() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(), ());
+    let reflected = registration::<ClothMaterial>(&app).data::<ReflectComponent>().unwrap().clone();
+    let mut material = reflected.reflect_mut(app.world_mut().entity_mut(cloth)).unwrap();
+    *material.path_mut::<f32>(".0.density").unwrap() = 0.5;
+    run(&mut app, 1);
+    let mass: f64 = state(&app, cloth).cloth().masses().iter().sum();
+    assert!((mass - 0.5).abs() < 1e-6, "{mass}");
+}
+
+#[test]
+fn rules_survive_reflection_and_predicates_are_left_out() {
+    let rules = ClothPins::indices([1, 2]).or(ClothPins::in_box(Vec3::ZERO, Vec3::ONE));
+    let reflected = rules.clone().or(top_edge()).to_dynamic();
+    let back = ClothPins::from_reflect(&*reflected).unwrap();
+    assert_eq!(back.rules, rules.rules);
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(), back);
+    assert_eq!(state(&app, cloth).pinned_vertices(), [0, 1, 2, 3, 4]);
+}
