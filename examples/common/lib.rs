@@ -1,0 +1,20 @@
+//! What the examples share. [`run::run`] takes a scene and shows it the best way the machine allows: in a window with
+//! an orbit camera, keys and an overlay, off-screen to pictures, or to a mesh alone; the rest are its parts.
+
+pub mod banner;
+pub mod capture;
+pub mod controls;
+pub mod export;
+pub mod glb;
+pub mod host;
+pub mod off_screen;
+pub mod orbit_camera;
+pub mod overlay;
+pub mod paint;
+pub mod plugins;
+pub mod run;
+pub mod scene;
+pub mod sheet;
+pub mod stage;
+pub mod summary;
+pub mod windowed;
