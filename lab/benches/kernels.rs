@@ -1,0 +1,109 @@
+//! The parts of a step, one by one, on the swinging sheet: `cargo bench -p lab`.
+
+use bevy_cloth::physics::assembly::System;
+use bevy_cloth::physics::math::{Lanes, V3};
+use bevy_cloth::physics::solve::{BlockJacobi, IncompleteCholesky, Multigrid, Preconditioner, SolverKind, solver};
+use bevy_cloth::physics::{Cloth, SolverSettings};
+use divan::{Bencher, black_box};
+use lab::matrix::StepSystem;
+use lab::scenes::{DT, Meshing, Sheet};
+
+/// Vertices along a side.
+const SIZES: [u32; 3] = [20, 64, 100];
+
+/// A quarter of a second into the swing.
+const FRAMES: usize = 15;
+
+fn main() {
+    divan::main();
+}
+
+fn swinging(side: u32) -> (Cloth, StepSystem) {
+    let mut cloth = Sheet::new(side, Meshing::Grid).hang(SolverSettings::default());
+    for _ in 0..FRAMES {
+        cloth.step(DT);
+    }
+    let step = StepSystem::new(&cloth);
+    (cloth, step)
+}
+
+#[divan::bench(args = SIZES)]
+fn assembly(bencher: Bencher, side: u32) {
+    let (cloth, mut step) = swinging(side);
+    bencher.bench_local(|| step.assemble(black_box(&cloth)));
+}
+
+#[divan::bench(args = SIZES)]
+fn spmv(bencher: Bencher, side: u32) {
+    let StepSystem { system, .. } = swinging(side).1;
+    let mut y = system.rhs.clone();
+    bencher.bench_local(|| system.matrix.multiply(black_box(&system.rhs), &mut y));
+}
+
+#[divan::bench(args = SIZES)]
+fn block_jacobi_update(bencher: Bencher, side: u32) {
+    update(bencher, side, |system| BlockJacobi::new(system.rhs.len()));
+}
+
+#[divan::bench(args = SIZES)]
+fn incomplete_cholesky_update(bencher: Bencher, side: u32) {
+    update(bencher, side, |system| IncompleteCholesky::new(system.matrix.pattern()));
+}
+
+#[divan::bench(args = SIZES)]
+fn multigrid_update(bencher: Bencher, side: u32) {
+    update(bencher, side, |system| Multigrid::new(system.matrix.pattern()));
+}
+
+#[divan::bench(args = SIZES)]
+fn block_jacobi_apply(bencher: Bencher, side: u32) {
+    apply(bencher, side, |system| BlockJacobi::new(system.rhs.len()));
+}
+
+#[divan::bench(args = SIZES)]
+fn incomplete_cholesky_apply(bencher: Bencher, side: u32) {
+    apply(bencher, side, |system| IncompleteCholesky::new(system.matrix.pattern()));
+}
+
+#[divan::bench(args = SIZES)]
+fn multigrid_apply(bencher: Bencher, side: u32) {
+    apply(bencher, side, |system| Multigrid::new(system.matrix.pattern()));
+}
+
+/// The linear solve of a step, preconditioner included, from no guess.
+#[divan::bench(args = SIZES)]
+fn solve(bencher: Bencher, side: u32) {
+    let (cloth, StepSystem { system, .. }) = swinging(side);
+    let mut solver = solver(SolverKind::default(), system.matrix.pattern());
+    // √(rᵀP⁻¹r) of an acceleration of 0.01 m/s².
+    let target = 0.01 * DT * DT * cloth.masses().iter().sum::<f64>().sqrt();
+    let mut d = system.rhs.clone();
+    bencher.bench_local(|| {
+        d.fill(V3::zero());
+        solver.solve(&system.matrix, black_box(&system.rhs), &mut d, target).expect("the matrix is positive definite")
+    });
+}
+
+#[divan::bench(args = SIZES)]
+fn step(bencher: Bencher, side: u32) {
+    let (mut cloth, _) = swinging(side);
+    let (positions, velocities) = (cloth.positions().to_vec(), cloth.velocities().to_vec());
+    bencher.bench_local(|| {
+        cloth.set_state(&positions, &velocities);
+        cloth.step(DT)
+    });
+}
+
+fn update<P: Preconditioner<f32>>(bencher: Bencher, side: u32, new: impl Fn(&System<Lanes<8>>) -> P) {
+    let StepSystem { system, .. } = swinging(side).1;
+    let mut preconditioner = new(&system);
+    bencher.bench_local(|| preconditioner.update(black_box(&system.matrix)));
+}
+
+fn apply<P: Preconditioner<f32>>(bencher: Bencher, side: u32, new: impl Fn(&System<Lanes<8>>) -> P) {
+    let StepSystem { system, .. } = swinging(side).1;
+    let mut preconditioner = new(&system);
+    preconditioner.update(&system.matrix);
+    let mut z = system.rhs.clone();
+    bencher.bench_local(|| preconditioner.apply(black_box(&system.rhs), &mut z));
+}

@@ -1,0 +1,12 @@
+//! The laboratory: measures bevy_cloth, free of anything that draws.
+//!
+//! One folder per subcommand ([`mod@bench`]), beside what they share: [`scenes`] that others have measured too, the
+//! [`matrix`] of a cloth, [`memory`] in use, and [`report`]s as tables and JSON.
+
+#![warn(missing_docs)]
+
+pub mod bench;
+pub mod matrix;
+pub mod memory;
+pub mod report;
+pub mod scenes;

@@ -1,0 +1,64 @@
+//! The command line of the laboratory.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use lab::bench;
+
+/// Measures bevy_cloth.
+#[derive(Parser)]
+#[command(name = "lab", arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// What a frame costs: a sheet hung by two corners in many sizes, a hundred cloths, irregular meshes, the whole
+    /// plugin.
+    Bench(bench::Options),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Bench(options) => bench::run(&options),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn bad_options_are_refused_with_status_2() {
+        for line in [
+            "lab fly",
+            "lab bench --sparkle",
+            "lab bench --sizes 1",
+            "lab bench --sizes 20,many",
+            "lab bench --sizes 20,,32",
+            "lab bench --sizes 100000",
+            "lab bench --threads 0",
+            "lab bench --frames 0",
+            "lab bench --repeat 0",
+            "lab bench --parts sheets,flags",
+        ] {
+            let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
+            assert_eq!(refused.exit_code(), 2, "{line}");
+        }
+    }
+}
