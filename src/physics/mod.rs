@@ -10,7 +10,9 @@ pub mod math;
 pub mod mesh;
 pub mod solve;
 
-pub use cloth::{Cloth, ClothFault, Energy, Integrator, StepOutcome, StepReport, Stretch};
+pub use cloth::{
+    Cloth, ClothFault, Energy, Integrator, Precision, SettingsError, SolverSettings, StepOutcome, StepReport, Stretch,
+};
 pub use material::{Fabric, MaterialError};
 pub use mesh::{MeshError, RestShape, RestShapeOptions, SurfaceMesh};
-pub use solve::{Precision, PreconditionerKind, SettingsError, SolverKind, SolverSettings};
+pub use solve::{PreconditionerKind, SolverKind};

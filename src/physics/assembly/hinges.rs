@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 
 use super::batch::{Batches, pack};
-use super::system::Linearisation;
+use super::implicit_step::Linearisation;
 use super::{BlockCsr, BlockPattern};
 use crate::physics::energy::hinge::{self, Rest};
 use crate::physics::material::Fabric;

@@ -10,11 +10,13 @@ mod batch;
 pub mod block_csr;
 mod constraints;
 mod hinges;
+mod implicit_step;
 pub mod pattern;
 mod system;
 mod triangles;
 
 pub use block_csr::BlockCsr;
 pub use constraints::constrain;
+pub use implicit_step::{ImplicitStep, Projection};
 pub use pattern::BlockPattern;
-pub use system::{ElasticEnergy, ImplicitStep, Projection, System};
+pub use system::{ElasticEnergy, System};

@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 
 use super::batch::{Batches, fill_up, pack};
-use super::system::{Linearisation, Projection};
+use super::implicit_step::{Linearisation, Projection};
 use super::{BlockCsr, BlockPattern};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;

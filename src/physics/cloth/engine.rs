@@ -4,12 +4,11 @@ use bevy::math::DVec3;
 
 use super::implicit::Implicit;
 use super::pins::Pins;
-use super::{ClothFault, State, StepReport};
+use super::{ClothFault, Precision, SolverSettings, State, StepReport};
 use crate::physics::assembly::ElasticEnergy;
 use crate::physics::material::Fabric;
 use crate::physics::math::Lanes;
 use crate::physics::mesh::RestShape;
-use crate::physics::solve::{Precision, SolverSettings};
 
 /// What a step needs beside the state.
 #[derive(Clone, Copy)]

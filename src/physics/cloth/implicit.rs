@@ -5,12 +5,12 @@ use bevy::platform::time::Instant;
 
 use super::engine::{Engine, Step};
 use super::integrator::{Bdf2, Integrator, hesitation};
-use super::{ClothFault, State, StepReport, rigid};
+use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::{ElasticEnergy, ImplicitStep, Projection, System, constrain};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Real, V3};
 use crate::physics::mesh::RestShape;
-use crate::physics::solve::{LinearSolver, SolverSettings, solver};
+use crate::physics::solve::{LinearSolver, solver};
 
 /// A cloth's linear system, its solver, and what a step remembers.
 pub(super) struct Implicit<L: Real> {

@@ -7,6 +7,7 @@ mod measure;
 mod pins;
 mod rigid;
 mod safeguard;
+mod settings;
 
 use core::time::Duration;
 
@@ -19,10 +20,11 @@ use self::engine::Engine;
 use self::pins::Pins;
 pub use integrator::Integrator;
 pub use measure::{Energy, Stretch};
+pub use settings::{Precision, SettingsError, SolverSettings};
 
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
-use crate::physics::solve::{SolveError, SolverSettings};
+use crate::physics::solve::SolveError;
 
 /// Positions and velocities of the simulated vertices, in world space.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ mod cholesky;
 mod conjugate_gradient;
 mod gauss_seidel;
 pub mod incomplete_cholesky;
+mod kind;
 mod preconditioner;
-mod settings;
 
 use std::sync::Arc;
 
@@ -21,8 +21,8 @@ pub use amg::Multigrid;
 pub use cholesky::Cholesky;
 pub use conjugate_gradient::ConjugateGradient;
 pub use incomplete_cholesky::IncompleteCholesky;
+pub use kind::{PreconditionerKind, SolverKind};
 pub use preconditioner::{BlockJacobi, Preconditioner};
-pub use settings::{Precision, PreconditionerKind, SettingsError, SolverKind, SolverSettings};
 
 use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{Scalar, V3};

@@ -1,0 +1,50 @@
+//! What can be chosen about the linear solver.
+
+use bevy::reflect::Reflect;
+
+/// The linear solver.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum SolverKind {
+    /// Preconditioned conjugate gradients.
+    ConjugateGradient {
+        /// Stop when the residual is that of an acceleration of this size, root mean square, m/s². So the quality of a
+        /// solve does not depend on the time step.
+        tolerance: f32,
+        /// Stop after so many iterations anyway.
+        max_iterations: u32,
+        /// The preconditioner.
+        preconditioner: PreconditionerKind,
+    },
+    /// faer's supernodal sparse Cholesky factorisation, in f64: the reference.
+    #[cfg(feature = "cholesky")]
+    Cholesky,
+}
+
+/// The preconditioner of conjugate gradients.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum PreconditionerKind {
+    /// Incomplete Cholesky for small cloths, multigrid for large ones.
+    #[default]
+    Auto,
+    /// The diagonal blocks: the least work per iteration, and the most iterations.
+    BlockJacobi,
+    /// Incomplete Cholesky: the number of iterations grows with the number of vertices.
+    IncompleteCholesky,
+    /// Smoothed-aggregation multigrid: the number of iterations hardly grows.
+    Multigrid,
+}
+
+impl SolverKind {
+    /// Conjugate gradients stopping at `tolerance`, m/s².
+    pub const fn conjugate_gradient(tolerance: f32) -> Self {
+        Self::ConjugateGradient { tolerance, max_iterations: 500, preconditioner: PreconditionerKind::Auto }
+    }
+}
+
+impl Default for SolverKind {
+    fn default() -> Self {
+        Self::conjugate_gradient(0.01)
+    }
+}
