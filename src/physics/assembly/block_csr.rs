@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::BlockPattern;
-use crate::physics::math::{M3, Scalar, V3};
+use crate::physics::math::{Kernel, M3, Scalar, V3, dispatch};
 
 /// Block compressed sparse rows, both halves stored: at cloth's 13 or so blocks a row this multiplies faster than one half.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl<T: Scalar> BlockCsr<T> {
     }
 
     /// Columns and blocks of a row.
-    #[inline]
+    #[inline(always)]
     pub fn row(&self, row: usize) -> impl Iterator<Item = (u32, &M3<T>)> {
         let range = self.pattern.row(row);
         self.pattern.columns()[range.clone()].iter().copied().zip(&self.blocks[range])
@@ -58,10 +58,25 @@ impl<T: Scalar> BlockCsr<T> {
 
     /// `y = A x`.
     pub fn multiply(&self, x: &[V3<T>], y: &mut [V3<T>]) {
-        for (row, y) in y.iter_mut().enumerate() {
+        dispatch(Multiply { a: self, x, y });
+    }
+}
+
+struct Multiply<'a, T> {
+    a: &'a BlockCsr<T>,
+    x: &'a [V3<T>],
+    y: &'a mut [V3<T>],
+}
+
+impl<T: Scalar> Kernel for Multiply<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (row, y) in self.y.iter_mut().enumerate() {
             let mut sum = V3::zero();
-            for (column, block) in self.row(row) {
-                sum += block.mul_vector(x[column as usize]);
+            for (column, block) in self.a.row(row) {
+                sum += block.mul_vector(self.x[column as usize]);
             }
             *y = sum;
         }

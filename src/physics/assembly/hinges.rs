@@ -7,7 +7,7 @@ use super::implicit_step::Linearisation;
 use super::{BlockCsr, BlockPattern};
 use crate::physics::energy::hinge::{self, Rest};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Real, V3};
+use crate::physics::math::{Kernel, Real, V3, dispatch};
 use crate::physics::mesh::RestShape;
 
 /// All hinges, in batches.
@@ -46,15 +46,23 @@ impl<L: Real> Hinges<L> {
     }
 
     /// Energy, J.
-    #[inline(always)]
     pub fn energy(&self, x: &[DVec3]) -> f64 {
+        dispatch(EnergyOf(self, x))
+    }
+
+    #[inline(always)]
+    fn energy_inline(&self, x: &[DVec3]) -> f64 {
         let rest = self.rest.iter().enumerate();
         rest.map(|(i, rest)| hinge::energy(rest, self.batches.edges(i, x)).sum_lanes()).sum()
     }
 
     /// Adds the forces, damping included, and the weighted Gauss–Newton Hessian. All of that Hessian is material.
-    #[inline(always)]
     pub fn assemble(&self, at: &Linearisation, forces: &mut [V3<L::Scalar>], matrix: &mut BlockCsr<L::Scalar>) {
+        dispatch(Assemble { elements: self, at, forces, matrix });
+    }
+
+    #[inline(always)]
+    fn assemble_inline(&self, at: &Linearisation, forces: &mut [V3<L::Scalar>], matrix: &mut BlockCsr<L::Scalar>) {
         let (weight, rate) = (L::splat(at.material), L::splat(at.rate));
         for (batch, rest) in self.rest.iter().enumerate() {
             let angle = hinge::angle(self.batches.edges(batch, at.x), rest.normal_floor);
@@ -74,5 +82,32 @@ impl<L: Real> Hinges<L> {
                 }
             }
         }
+    }
+}
+
+struct EnergyOf<'a, L>(&'a Hinges<L>, &'a [DVec3]);
+
+impl<L: Real> Kernel for EnergyOf<'_, L> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        self.0.energy_inline(self.1)
+    }
+}
+
+struct Assemble<'a, L: Real> {
+    elements: &'a Hinges<L>,
+    at: &'a Linearisation<'a>,
+    forces: &'a mut [V3<L::Scalar>],
+    matrix: &'a mut BlockCsr<L::Scalar>,
+}
+
+impl<L: Real> Kernel for Assemble<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.elements.assemble_inline(self.at, self.forces, self.matrix);
     }
 }

@@ -40,19 +40,19 @@ impl BlockPattern {
     }
 
     /// Slots of the blocks of a row.
-    #[inline]
+    #[inline(always)]
     pub fn row(&self, row: usize) -> core::ops::Range<usize> {
         self.row_starts[row] as usize..self.row_starts[row + 1] as usize
     }
 
     /// Columns of all blocks, by slot.
-    #[inline]
+    #[inline(always)]
     pub fn columns(&self) -> &[u32] {
         &self.columns
     }
 
     /// Slots of the diagonal blocks, by row.
-    #[inline]
+    #[inline(always)]
     pub fn diagonals(&self) -> &[u32] {
         &self.diagonals
     }

@@ -33,8 +33,6 @@ impl ElasticEnergy {
 pub struct System<L: Real> {
     triangles: Triangles<L>,
     hinges: Hinges<L>,
-    /// The instruction set of this machine: the elements are compiled for several.
-    arch: pulp::Arch,
     forces: Vec<V3<L::Scalar>>,
     /// A.
     pub matrix: BlockCsr<L::Scalar>,
@@ -52,7 +50,6 @@ impl<L: Real> System<L> {
         Self {
             triangles: Triangles::new(shape, fabric, &pattern),
             hinges: Hinges::new(shape, fabric, &pattern),
-            arch: pulp::Arch::new(),
             forces: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
@@ -67,8 +64,7 @@ impl<L: Real> System<L> {
 
     /// Elastic energy at `x`.
     pub fn energy(&self, x: &[DVec3]) -> ElasticEnergy {
-        let Self { triangles, hinges, arch, .. } = self;
-        ElasticEnergy { membrane: arch.dispatch(|| triangles.energy(x)), bending: arch.dispatch(|| hinges.energy(x)) }
+        ElasticEnergy { membrane: self.triangles.energy(x), bending: self.hinges.energy(x) }
     }
 
     /// Fills A and b.
@@ -77,9 +73,8 @@ impl<L: Real> System<L> {
         let linearisation = Linearisation::from(step);
         self.matrix.clear();
         self.forces.fill(V3::zero());
-        let Self { triangles, hinges, forces, matrix, arch, .. } = self;
-        arch.dispatch(|| triangles.assemble(&linearisation, forces, matrix));
-        arch.dispatch(|| hinges.assemble(&linearisation, forces, matrix));
+        self.triangles.assemble(&linearisation, &mut self.forces, &mut self.matrix);
+        self.hinges.assemble(&linearisation, &mut self.forces, &mut self.matrix);
 
         let inertia = 1.0 + gamma * step.air_drag;
         for (vertex, &mass) in masses.iter().enumerate() {

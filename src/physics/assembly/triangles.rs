@@ -7,7 +7,7 @@ use super::implicit_step::{Linearisation, Projection};
 use super::{BlockCsr, BlockPattern};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Real, V3};
+use crate::physics::math::{Kernel, Real, V3, dispatch};
 use crate::physics::mesh::{RestShape, Triangle};
 
 fn constants<L: Real>(fabric: &Fabric) -> Orthotropic<L> {
@@ -62,15 +62,23 @@ impl<L: Real> Triangles<L> {
     }
 
     /// Energy, J.
-    #[inline(always)]
     pub fn energy(&self, x: &[DVec3]) -> f64 {
+        dispatch(EnergyOf(self, x))
+    }
+
+    #[inline(always)]
+    fn energy_inline(&self, x: &[DVec3]) -> f64 {
         let rest = self.rest.iter().enumerate();
         rest.map(|(i, rest)| membrane::energy(rest, &self.constants, &self.strain(i, x)).sum_lanes()).sum()
     }
 
     /// Adds the forces, damping included, and the weighted projected Hessian.
-    #[inline(always)]
     pub fn assemble(&self, at: &Linearisation, forces: &mut [V3<L::Scalar>], matrix: &mut BlockCsr<L::Scalar>) {
+        dispatch(Assemble { elements: self, at, forces, matrix });
+    }
+
+    #[inline(always)]
+    fn assemble_inline(&self, at: &Linearisation, forces: &mut [V3<L::Scalar>], matrix: &mut BlockCsr<L::Scalar>) {
         let (material, geometric, rate) = (L::splat(at.material), L::splat(at.geometric), L::splat(at.rate));
         let k = &self.constants;
         for (batch, rest) in self.rest.iter().enumerate() {
@@ -94,5 +102,32 @@ impl<L: Real> Triangles<L> {
                 }
             }
         }
+    }
+}
+
+struct EnergyOf<'a, L>(&'a Triangles<L>, &'a [DVec3]);
+
+impl<L: Real> Kernel for EnergyOf<'_, L> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        self.0.energy_inline(self.1)
+    }
+}
+
+struct Assemble<'a, L: Real> {
+    elements: &'a Triangles<L>,
+    at: &'a Linearisation<'a>,
+    forces: &'a mut [V3<L::Scalar>],
+    matrix: &'a mut BlockCsr<L::Scalar>,
+}
+
+impl<L: Real> Kernel for Assemble<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.elements.assemble_inline(self.at, self.forces, self.matrix);
     }
 }

@@ -7,9 +7,11 @@
 mod lanes;
 mod matrix;
 mod real;
+mod simd;
 mod vector;
 
 pub use lanes::Lanes;
 pub use matrix::M3;
 pub use real::{Real, Scalar};
+pub(crate) use simd::{Kernel, dispatch};
 pub use vector::V3;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::preconditioner::positive_inverse;
 use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{M3, Scalar, V3};
+use crate::physics::math::{Kernel, M3, Scalar, V3, dispatch};
 
 /// Forward and backward sweeps. A forward sweep from zero, any symmetric positive semidefinite correction, and a
 /// backward sweep are a symmetric positive definite preconditioner.
@@ -15,7 +15,6 @@ use crate::physics::math::{M3, Scalar, V3};
 #[derive(Clone, Debug)]
 pub(super) struct GaussSeidel<T> {
     pattern: Arc<BlockPattern>,
-    arch: pulp::Arch,
     /// A, and one number more for the fourth lane.
     blocks: Vec<T>,
     /// D⁻¹, likewise.
@@ -26,7 +25,6 @@ impl<T: Scalar> GaussSeidel<T> {
     /// For matrices of a pattern.
     pub fn new(pattern: &Arc<BlockPattern>) -> Self {
         Self {
-            arch: pulp::Arch::new(),
             blocks: vec![T::zero(); 9 * pattern.block_count() + 1],
             inverses: vec![T::zero(); 9 * pattern.row_count() + 1],
             pattern: Arc::clone(pattern),
@@ -45,46 +43,17 @@ impl<T: Scalar> GaussSeidel<T> {
 
     /// Solves `(D + L) z = r`: a forward sweep from zero.
     pub fn forward(&self, r: &[V3<T>], z: &mut [V3<T>]) {
-        self.arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in 0..self.pattern.row_count() {
-                    let mut sum = widen(r[row]);
-                    self.subtract(&mut sum, self.lower(row), z);
-                    z[row] = self.solve_diagonal(row, sum);
-                }
-            },
-        );
+        dispatch(Forward { smoother: self, r, z });
     }
 
     /// Passes on the residual that [`Self::forward`] leaves, `r − A z = −U z`, row by row.
-    pub fn residual_after_forward(&self, z: &[V3<T>], mut receive: impl FnMut(usize, V3<T>)) {
-        self.arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in 0..self.pattern.row_count() {
-                    let mut sum = [T::zero(); 4];
-                    self.subtract(&mut sum, self.upper(row), z);
-                    receive(row, narrow(sum));
-                }
-            },
-        );
+    pub fn residual_after_forward(&self, z: &[V3<T>], receive: impl FnMut(usize, V3<T>)) {
+        dispatch(ResidualAfterForward { smoother: self, z, receive });
     }
 
     /// Solves `(D + U) z' = r − L z`: a backward sweep from z.
     pub fn backward(&self, r: &[V3<T>], z: &mut [V3<T>]) {
-        self.arch.dispatch(
-            #[inline(always)]
-            || {
-                for row in (0..self.pattern.row_count()).rev() {
-                    let mut sum = widen(r[row]);
-                    self.subtract(&mut sum, self.lower(row), z);
-                    // The row solved just before comes last, so that the others need not wait for it.
-                    self.subtract(&mut sum, self.upper(row).rev(), z);
-                    z[row] = self.solve_diagonal(row, sum);
-                }
-            },
-        );
+        dispatch(Backward { smoother: self, r, z });
     }
 
     #[inline(always)]
@@ -111,6 +80,67 @@ impl<T: Scalar> GaussSeidel<T> {
     #[inline(always)]
     fn solve_diagonal(&self, row: usize, sum: [T; 4]) -> V3<T> {
         narrow(multiply(&self.inverses, row, narrow(sum).0))
+    }
+}
+
+struct Forward<'a, T> {
+    smoother: &'a GaussSeidel<T>,
+    r: &'a [V3<T>],
+    z: &'a mut [V3<T>],
+}
+
+impl<T: Scalar> Kernel for Forward<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { smoother, r, z } = self;
+        for row in 0..r.len() {
+            let mut sum = widen(r[row]);
+            smoother.subtract(&mut sum, smoother.lower(row), z);
+            z[row] = smoother.solve_diagonal(row, sum);
+        }
+    }
+}
+
+struct ResidualAfterForward<'a, T, F> {
+    smoother: &'a GaussSeidel<T>,
+    z: &'a [V3<T>],
+    receive: F,
+}
+
+impl<T: Scalar, F: FnMut(usize, V3<T>)> Kernel for ResidualAfterForward<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        for row in 0..self.z.len() {
+            let mut sum = [T::zero(); 4];
+            self.smoother.subtract(&mut sum, self.smoother.upper(row), self.z);
+            (self.receive)(row, narrow(sum));
+        }
+    }
+}
+
+struct Backward<'a, T> {
+    smoother: &'a GaussSeidel<T>,
+    r: &'a [V3<T>],
+    z: &'a mut [V3<T>],
+}
+
+impl<T: Scalar> Kernel for Backward<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { smoother, r, z } = self;
+        for row in (0..r.len()).rev() {
+            let mut sum = widen(r[row]);
+            smoother.subtract(&mut sum, smoother.lower(row), z);
+            // The row solved just before comes last, so that the others need not wait for it.
+            smoother.subtract(&mut sum, smoother.upper(row).rev(), z);
+            z[row] = smoother.solve_diagonal(row, sum);
+        }
     }
 }
 

@@ -1,14 +1,12 @@
 //! Every `ClothError`: shown on the entity, gone with its cause.
 
-mod common;
-
+use crate::common::*;
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext, RenderAssetUsages};
 use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexFormat};
 use bevy::prelude::*;
 use bevy_cloth::physics::{Fabric, MeshError, SettingsError, SolverKind, SolverSettings};
 use bevy_cloth::plugin::*;
-use common::*;
 
 /// Spawns a cloth that is refused, and returns the error.
 #[track_caller]

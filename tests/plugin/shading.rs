@@ -1,13 +1,11 @@
 //! What the renderer gets beside positions: normals, tangents, bounds.
 
-mod common;
-
+use crate::common::*;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::*;
 
 fn tangents(app: &App, cloth: Entity) -> Vec<Vec4> {
     match mesh(app, cloth).attribute(Mesh::ATTRIBUTE_TANGENT) {

@@ -1,13 +1,11 @@
 //! Cloth under transforms: hierarchy, scale, motion, jumps.
 
-mod common;
-
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 
+use crate::common::*;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::*;
 
 fn set(app: &mut App, entity: Entity, transform: Transform) {
     *app.world_mut().get_mut(entity).unwrap() = transform;

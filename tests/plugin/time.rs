@@ -1,14 +1,12 @@
 //! Steps and frames: interpolation, pause, schedules, and no needless upload.
 
-mod common;
-
 use std::time::Duration;
 
+use crate::common::*;
 use bevy::app::FixedPostUpdate;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_cloth::plugin::*;
-use common::*;
 
 /// A frame takes this many fixed steps of 1/64 s.
 fn set_frame(app: &mut App, steps: f64) {

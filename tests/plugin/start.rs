@@ -1,12 +1,10 @@
 //! From a mesh asset to a running cloth.
 
-mod common;
-
+use crate::common::*;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::*;
 
 #[test]
 fn mesh_and_cloth_mesh_are_enough() {

@@ -1,5 +1,4 @@
 //! A headless app and a small mesh, for the tests of the plugin.
-#![allow(dead_code, reason = "each test uses a part")]
 
 use std::collections::HashMap;
 

@@ -1,11 +1,9 @@
 //! `ClothDiagnosticsPlugin`.
 
-mod common;
-
+use crate::common::{COUNT, app_with, run, sheet, spawn, state, top_edge};
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsPlugin, DiagnosticsStore};
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::{COUNT, app_with, run, sheet, spawn, state, top_edge};
 
 fn app() -> App {
     app_with((ClothPlugin::default(), DiagnosticsPlugin, ClothDiagnosticsPlugin))

@@ -1,13 +1,11 @@
 //! The order of systems is decided: none is left to chance.
 
-mod common;
-
+use crate::common::{app_with, run, sheet, spawn, world};
 use bevy::app::FixedPostUpdate;
 use bevy::diagnostic::DiagnosticsPlugin;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::{app_with, run, sheet, spawn, world};
 
 /// Makes every schedule that cloth is in refuse to run if two of its systems conflict. (Added before the first frame: a
 /// schedule that was built is not built again.)

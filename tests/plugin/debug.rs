@@ -1,16 +1,14 @@
 //! `ClothDebugPlugin`.
 #![cfg(feature = "debug")]
 
-mod common;
-
 use core::any::TypeId;
 
+use crate::common::{COUNT, app_with, run, sheet, spawn, state, top_edge, vectors};
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::{COUNT, app_with, run, sheet, spawn, state, top_edge, vectors};
 
 fn app() -> App {
     let mut app = app_with((ClothPlugin::default().without_interpolation(), GizmoPlugin, ClothDebugPlugin));

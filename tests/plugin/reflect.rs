@@ -1,14 +1,12 @@
 //! Components are visible to inspectors and scene files.
 
-mod common;
-
 use core::any::TypeId;
 
+use crate::common::*;
 use bevy::prelude::*;
 use bevy::reflect::{GetPath, TypeRegistration};
 use bevy_cloth::physics::Fabric;
 use bevy_cloth::plugin::*;
-use common::*;
 
 fn registration<T: 'static>(app: &App) -> TypeRegistration {
     let registry = app.world().resource::<AppTypeRegistry>().read();

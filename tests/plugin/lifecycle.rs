@@ -1,12 +1,10 @@
 //! What may happen to a cloth while it runs: other settings, another mesh, freezing, reset, removal.
 
-mod common;
-
+use crate::common::*;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::prelude::*;
 use bevy_cloth::physics::{SolverKind, SolverSettings};
 use bevy_cloth::plugin::*;
-use common::*;
 
 /// A cloth held by one corner that has swung for a while.
 fn swinging() -> (App, Entity) {

@@ -1,11 +1,9 @@
 //! Which vertices are held, and moving them.
 
-mod common;
-
+use crate::common::*;
 use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
 use bevy_cloth::plugin::*;
-use common::*;
 
 const WEIGHT: MeshVertexAttribute = MeshVertexAttribute::new("Weight", 8_765_432, VertexFormat::Float32);
 

@@ -1,0 +1,14 @@
+//! The plugin, in headless apps.
+
+mod common;
+mod debug;
+mod diagnostics;
+mod errors;
+mod lifecycle;
+mod order;
+mod pins;
+mod reflect;
+mod shading;
+mod start;
+mod time;
+mod transform;
