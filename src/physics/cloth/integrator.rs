@@ -15,8 +15,8 @@ pub enum Integrator {
     BackwardEuler,
 }
 
-/// Longest step BDF2 takes after one of length 1; beyond, it starts anew. (Zero-stability ends at 1 + √2; at 5 steps were seen
-/// to gain energy.)
+/// Longest step BDF2 takes after one of length 1; beyond, it starts anew, well before zero-stability ends at 1 + √2 (Hairer,
+/// Nørsett & Wanner 1993, III.5).
 const MAX_STEP_RATIO: f64 = 1.5;
 
 /// Weights of the two last states in a BDF2 step of variable length (Hairer, Nørsett & Wanner 1993, III.5).

@@ -36,7 +36,7 @@ impl Cholesky {
     pub fn new(pattern: &Arc<BlockPattern>) -> Self {
         let (lower, sources) = scalar_lower_triangle(pattern);
         let params = CholeskySymbolicParams {
-            // The simplicial variant is 8–20 times slower on cloth.
+            // The simplicial variant is much slower on the wide fronts of a surface mesh.
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
