@@ -55,7 +55,7 @@ fn measure(mut diagnostics: Diagnostics, cloths: Query<&ClothState>, mut steps_b
     };
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::STEP, || sum(|report| report.total));
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::ASSEMBLY, || sum(|report| report.assembly));
-    diagnostics.add_measurement(&ClothDiagnosticsPlugin::SOLVE, || sum(|report| report.solve));
+    diagnostics.add_measurement(&ClothDiagnosticsPlugin::SOLVE, || sum(|report| report.preconditioner + report.solve));
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::ITERATIONS, || {
         stepped().map(|(report, _)| f64::from(report.iterations)).sum()
     });

@@ -8,7 +8,7 @@ use super::error::ClothError;
 use super::state::ClothState;
 use crate::physics::StepOutcome;
 
-/// See [`ClothSystems::Step`](super::ClothSystems::Step).
+/// See [`ClothSystems::Step`](super::ClothSystems::Step). Large cloths are cut into parts inside the same thread pool.
 pub(super) fn step(time: Res<Time>, mut cloths: Query<&mut ClothState>) {
     let dt = time.delta_secs_f64();
     let mut cloths: Vec<&mut ClothState> =

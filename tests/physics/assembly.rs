@@ -1,8 +1,8 @@
 //! A and b of whole cloths.
 
 use bevy::math::{DQuat, DVec3};
-use bevy_cloth::physics::assembly::{ImplicitStep, System};
-use bevy_cloth::physics::math::{Lanes, Real, Scalar};
+use bevy_cloth::physics::assembly::{ImplicitStep, Ordering, System};
+use bevy_cloth::physics::math::{Lanes, Padded, Real, Scalar};
 use bevy_cloth::physics::{Fabric, RestShape, RestShapeOptions};
 use nalgebra::{DMatrix, DVector};
 
@@ -27,14 +27,19 @@ fn assembled<L: Real>(shape: &RestShape, x: &[DVec3]) -> (Vec<DVec3>, DMatrix<f6
 
 fn assembled_at<L: Real>(shape: &RestShape, step: &ImplicitStep) -> (Vec<DVec3>, DMatrix<f64>) {
     let x = step.x;
-    let mut system = System::<L>::new(shape, &fabric());
+    let mut system = System::<L>::new(shape, &fabric(), &Ordering::identity(shape.vertex_count()));
     system.assemble(step, &vec![0.0; x.len()]);
     let mut a = DMatrix::zeros(3 * x.len(), 3 * x.len());
     for row in 0..x.len() {
-        for (column, block) in system.matrix.row(row) {
+        let diagonal = [(row as u32, &system.matrix.diagonal[row])];
+        for (column, block) in system.matrix.lower_row(row).chain(diagonal) {
             for (r, entries) in block.0.iter().enumerate() {
                 for (c, entry) in entries.iter().enumerate() {
-                    a[(3 * row + r, 3 * column as usize + c)] = entry.to_f64();
+                    let (r, c) = (3 * row + r, 3 * column as usize + c);
+                    a[(r, c)] = entry.to_f64();
+                    if column as usize != row {
+                        a[(c, r)] = entry.to_f64();
+                    }
                 }
             }
         }
@@ -49,7 +54,7 @@ fn flat(forces: &[DVec3]) -> DVector<f64> {
 #[test]
 fn forces_are_minus_the_gradient_of_the_energy() {
     let shape = bumpy();
-    let system = System::<f64>::new(&shape, &fabric());
+    let system = System::<f64>::new(&shape, &fabric(), &Ordering::identity(shape.vertex_count()));
     let x = crumpled(&shape.positions, 0.08, 12);
     let (forces, _) = assembled::<f64>(&shape, &x);
     let differences = (0..3 * x.len()).map(|i| {
@@ -183,18 +188,20 @@ fn the_step_is_that_of_baraff_and_witkin() {
     let b = (flat(&f) + flat(&weight) - &h * flat(&v) * dt) * dt;
     let expected = (a.cholesky().expect("positive definite").solve(&b) + flat(&v)) * dt;
 
-    let mut system = System::<f64>::new(&shape, &fabric());
+    let mut system = System::<f64>::new(&shape, &fabric(), &Ordering::identity(shape.vertex_count()));
     let inertial: Vec<_> = x.iter().zip(&v).map(|(&x, &v)| x + dt * v).collect();
     system.assemble(&ImplicitStep::backward_euler(&x, &inertial, dt, gravity), &masses);
-    let mut d = vec![bevy_cloth::physics::math::V3::zero(); x.len()];
+    let mut d = vec![Padded::zero(); x.len()];
     let kind = bevy_cloth::physics::SolverKind::ConjugateGradient {
         tolerance: 0.0,
+        relative_tolerance: 0.0,
         max_iterations: 2000,
         preconditioner: Default::default(),
     };
     let mut solver = bevy_cloth::physics::solve::solver(kind, system.matrix.pattern());
-    solver.solve(&system.matrix, &system.rhs, &mut d, 1e-16).unwrap();
-    let ours = DVector::from_iterator(3 * x.len(), d.iter().flat_map(|d| d.0));
+    let target = bevy_cloth::physics::solve::Target { absolute: 1e-16, relative: 0.0 };
+    solver.solve(&system.matrix, &system.rhs, &mut d, target).unwrap();
+    let ours = DVector::from_iterator(3 * x.len(), d.iter().flat_map(|d| d.to_f64()));
     let error = (ours - &expected).norm() / expected.norm();
     assert!(error < 1e-9, "{error:e}");
 }

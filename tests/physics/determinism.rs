@@ -23,3 +23,21 @@ fn two_runs_agree_bitwise() {
     }
     assert_ne!(run(SolverSettings::default()), run(SolverSettings::reference()));
 }
+
+#[test]
+fn every_number_of_threads_gives_the_same_bits() {
+    // Large enough for several parts.
+    let run = |threads| {
+        let shape = TestMesh::jittered(80, 80, 1.0, 1.0, 0.2).shape();
+        let mut cloth = Cloth::new(shape, Fabric::cotton(), SolverSettings::default()).unwrap();
+        for vertex in [0, 79] {
+            cloth.pin(vertex, cloth.positions()[vertex as usize]);
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| (0..10).for_each(|_| _ = cloth.step(1.0 / 60.0)));
+        cloth.positions().to_vec()
+    };
+    let alone = run(1);
+    assert_eq!(alone, run(2));
+    assert_eq!(alone, run(5));
+}

@@ -4,29 +4,46 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use bevy_cloth::physics::Cloth;
-use bevy_cloth::physics::math::V3;
+use bevy_cloth::physics::assembly::BlockCsr;
+use bevy_cloth::physics::math::Padded;
 
-use super::statistics::median;
-use crate::matrix::StepSystem;
+use crate::matrix::{FullMatrix, StepSystem};
 
-/// Products are timed for this long, and at least so many of them.
-const DURATION: Duration = Duration::from_millis(100);
-const LEAST: usize = 50;
+/// Of so many products in a row the quickest counts: the first finds its matrix out of the cache.
+const TRIES: usize = 3;
 
-/// Median time of one [`multiply`](bevy_cloth::physics::assembly::BlockCsr::multiply) of the matrix of this cloth as it
-/// stands, ms.
-pub fn time(cloth: &Cloth) -> f64 {
-    let matrix = StepSystem::new(cloth).system.matrix;
-    let x: Vec<_> = cloth.positions().iter().map(|x| V3::from_f64(x.to_array())).collect();
-    let mut y = vec![V3::zero(); x.len()];
+/// The matrix of a cloth, and a vector to multiply it with.
+pub struct Yardstick {
+    full: FullMatrix,
+    half: BlockCsr<f32>,
+    x: Vec<Padded<f32>>,
+    y: Vec<Padded<f32>>,
+}
 
-    let begin = Instant::now();
-    let mut times = Vec::new();
-    while times.len() < LEAST || begin.elapsed() < DURATION {
-        let start = Instant::now();
-        matrix.multiply(black_box(&x), &mut y);
-        black_box(&y);
-        times.push(start.elapsed());
+impl Yardstick {
+    /// For a cloth as it stands.
+    pub fn new(cloth: &Cloth) -> Self {
+        let StepSystem { system, positions, .. } = StepSystem::new(cloth);
+        let x: Vec<_> = positions.iter().map(|x| Padded::from_f64(x.to_array())).collect();
+        Self { full: FullMatrix::new(&system.matrix), half: system.matrix, y: x.clone(), x }
     }
-    median(&times)
+
+    /// Time of one product: with both halves of the matrix stored, as everybody has it, which is the yardstick; and as the
+    /// solver has it, with one.
+    pub fn time(&mut self) -> [Duration; 2] {
+        let Self { full, half, x, y } = self;
+        let least = |multiply: &mut dyn FnMut()| {
+            let times = (0..TRIES).map(|_| {
+                let start = Instant::now();
+                multiply();
+                start.elapsed()
+            });
+            times.min().unwrap_or_default()
+        };
+        let full = least(&mut || full.multiply(black_box(x), black_box(y)));
+        let half = least(&mut || {
+            black_box(half.multiply(black_box(x), black_box(y)));
+        });
+        [full, half]
+    }
 }

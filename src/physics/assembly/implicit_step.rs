@@ -2,6 +2,8 @@
 
 use bevy::math::DVec3;
 
+use crate::physics::math::{Padded, Scalar};
+
 /// How the stress is made safe in the geometric part of the Hessian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Projection {
@@ -89,11 +91,11 @@ impl<'a> ImplicitStep<'a> {
 
 /// What the elements need to know of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Linearisation<'a> {
+pub(super) struct Linearisation<'a, T: Scalar> {
     /// Where the forces are linearised, m.
     pub x: &'a [DVec3],
-    /// q: `(x − q)/γ` is the velocity that damping acts on, m.
-    pub origin: &'a [DVec3],
+    /// x − q up to a common translation, m: `(x − q)/γ` is the velocity that damping acts on.
+    pub moved: &'a [Padded<T>],
     /// Factor of the material part of the Hessian in A, γ (γ + dp).
     pub material: f64,
     /// Factor of the geometric part, γ².
@@ -104,11 +106,11 @@ pub(super) struct Linearisation<'a> {
     pub rate: f64,
 }
 
-impl<'a> From<&ImplicitStep<'a>> for Linearisation<'a> {
-    fn from(step: &ImplicitStep<'a>) -> Self {
+impl<'a, T: Scalar> Linearisation<'a, T> {
+    pub fn new(step: &ImplicitStep<'a>, moved: &'a [Padded<T>]) -> Self {
         Self {
             x: step.x,
-            origin: step.origin,
+            moved,
             material: step.gamma * (step.gamma + step.damping),
             geometric: step.gamma * step.gamma,
             projection: step.projection,

@@ -2,7 +2,7 @@
 //!
 //! [`pattern`] finds which 3×3 blocks of A exist, once per mesh; [`block_csr`] holds their values; `triangles` and `hinges`
 //! run the energies over batches of elements and add into precomputed slots; [`System`] puts A and b together;
-//! [`constrain`] takes the pinned vertices out.
+//! [`Constraints`] take the pinned vertices out.
 //!
 //! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`.
 
@@ -11,12 +11,16 @@ pub mod block_csr;
 mod constraints;
 mod hinges;
 mod implicit_step;
+mod ordering;
+pub mod parts;
 pub mod pattern;
 mod system;
 mod triangles;
 
 pub use block_csr::BlockCsr;
-pub use constraints::constrain;
+pub use constraints::{Constraints, constrain};
 pub use implicit_step::{ImplicitStep, Projection};
+pub use ordering::Ordering;
+pub use parts::Part;
 pub use pattern::BlockPattern;
 pub use system::{ElasticEnergy, System};

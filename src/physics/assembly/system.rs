@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use bevy::math::DVec3;
 
+use super::batch::{self, Output};
 use super::hinges::Hinges;
 use super::implicit_step::{ImplicitStep, Linearisation};
+use super::parts::{BySlot, Part, for_parts};
 use super::triangles::Triangles;
-use super::{BlockCsr, BlockPattern};
+use super::{BlockCsr, BlockPattern, Ordering};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Real, Scalar, V3};
+use crate::physics::math::{M3, Padded, Real, Scalar};
 use crate::physics::mesh::RestShape;
 
 /// Elastic energy by term, J.
@@ -29,28 +31,35 @@ impl ElasticEnergy {
     }
 }
 
-/// The linear system of a cloth: elements, and the storage of A and b.
+/// The linear system of a cloth: elements, and the storage of A and b. All vertices are numbered as its ordering says.
 pub struct System<L: Real> {
     triangles: Triangles<L>,
     hinges: Hinges<L>,
-    forces: Vec<V3<L::Scalar>>,
+    /// x − q, see [`Linearisation`].
+    moved: Vec<Padded<L::Scalar>>,
     /// A.
     pub matrix: BlockCsr<L::Scalar>,
     /// b, kg·m.
-    pub rhs: Vec<V3<L::Scalar>>,
+    pub rhs: Vec<Padded<L::Scalar>>,
 }
 
 impl<L: Real> System<L> {
     /// The system of a cloth; the pattern of A and the slot of each element's blocks are found here, once.
-    pub fn new(shape: &RestShape, fabric: &Fabric) -> Self {
-        let triangles = shape.triangles.iter().map(|t| &t.vertices[..]);
-        let hinges = shape.hinges.iter().map(|h| &h.vertices[..]);
-        let pattern = BlockPattern::new(shape.vertex_count(), triangles.chain(hinges));
-        let zeros = vec![V3::zero(); shape.vertex_count()];
+    pub fn new(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -> Self {
+        let inner = &ordering.inner;
+        let triangles: Vec<_> = shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect();
+        let hinges: Vec<_> = shape.hinges.iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
+        let pattern = BlockPattern::new(
+            shape.vertex_count(),
+            &ordering.part_starts,
+            triangles.iter().map(|vertices| &vertices[..]),
+            hinges.iter().map(|vertices| &vertices[..]),
+        );
+        let zeros = vec![Padded::zero(); shape.vertex_count()];
         Self {
-            triangles: Triangles::new(shape, fabric, &pattern),
-            hinges: Hinges::new(shape, fabric, &pattern),
-            forces: zeros.clone(),
+            triangles: Triangles::new(shape, fabric, inner, &pattern),
+            hinges: Hinges::new(shape, fabric, inner, &pattern),
+            moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
         }
@@ -64,27 +73,50 @@ impl<L: Real> System<L> {
 
     /// Elastic energy at `x`.
     pub fn energy(&self, x: &[DVec3]) -> ElasticEnergy {
-        ElasticEnergy { membrane: self.triangles.energy(x), bending: self.hinges.energy(x) }
+        let [membrane, bending] = for_parts(self.matrix.pattern().parts(), (), &|part: &Part, ()| {
+            [batch::energy(&self.triangles, part.index, x), batch::energy(&self.hinges, part.index, x)]
+        });
+        ElasticEnergy { membrane, bending }
     }
 
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        let gamma = step.gamma;
-        let linearisation = Linearisation::from(step);
-        self.matrix.clear();
-        self.forces.fill(V3::zero());
-        self.triangles.assemble(&linearisation, &mut self.forces, &mut self.matrix);
-        self.hinges.assemble(&linearisation, &mut self.forces, &mut self.matrix);
-
-        let inertia = 1.0 + gamma * step.air_drag;
-        for (vertex, &mass) in masses.iter().enumerate() {
-            *self.matrix.diagonal_mut(vertex) += M3::scaled_identity(Scalar::from_f64(mass * inertia));
-            let x = step.x[vertex];
-            let elastic = DVec3::from(self.forces[vertex].to_f64());
-            let carried = step.inertial[vertex] - x - gamma * step.air_drag * (x - step.origin[vertex]);
-            let force = elastic + gravity::force(step.gravity, mass);
-            let rhs = mass * (carried - inertia * step.drift) + gamma * gamma * force;
-            self.rhs[vertex] = V3::from_f64(rhs.to_array());
+        let Self { triangles, hinges, moved, matrix, rhs } = self;
+        let pattern = Arc::clone(matrix.pattern());
+        if step.damping > 0.0 {
+            // Relative to the first vertex, as f32 has few digits and only differences count.
+            let common = step.x[0] - step.origin[0];
+            for_parts(pattern.parts(), &mut moved[..], &|part: &Part, moved| {
+                for (moved, vertex) in moved.iter_mut().zip(part.rows.clone()) {
+                    *moved = Padded::from_f64((step.x[vertex] - step.origin[vertex] - common).to_array());
+                }
+            });
         }
+        let linearisation = Linearisation::new(step, moved);
+        matrix.fixed.fill(false);
+        let rows = (&mut matrix.diagonal[..], BySlot(&mut matrix.lower), &mut rhs[..]);
+        for_parts(pattern.parts(), rows, &|part: &Part, (diagonal, BySlot(lower), rhs)| {
+            diagonal.fill(M3::zero());
+            lower.fill(M3::zero());
+            // Forces first, then b.
+            rhs.fill(Padded::zero());
+            let mut out = Output::new(part, diagonal, lower, rhs);
+            batch::assemble(&*triangles, &linearisation, &mut out);
+            batch::assemble(&*hinges, &linearisation, &mut out);
+            for (i, vertex) in part.rows.clone().enumerate() {
+                let (inertia, b) = inertia(step, vertex, masses[vertex], DVec3::from(rhs[i].to_f64()));
+                diagonal[i] = diagonal[i].add_diagonal(L::Scalar::from_f64(inertia));
+                rhs[i] = Padded::from_f64(b.to_array());
+            }
+        });
     }
+}
+
+/// What a vertex of this mass, with this elastic force on it, adds to the diagonal of A, and has as b.
+fn inertia(step: &ImplicitStep, vertex: usize, mass: f64, elastic: DVec3) -> (f64, DVec3) {
+    let x = step.x[vertex];
+    let inertia = 1.0 + step.gamma * step.air_drag;
+    let carried = step.inertial[vertex] - x - step.gamma * step.air_drag * (x - step.origin[vertex]);
+    let force = elastic + gravity::force(step.gravity, mass);
+    (mass * inertia, mass * (carried - inertia * step.drift) + step.gamma * step.gamma * force)
 }

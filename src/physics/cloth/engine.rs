@@ -5,7 +5,7 @@ use bevy::math::DVec3;
 use super::implicit::Implicit;
 use super::pins::Pins;
 use super::{ClothFault, Precision, SolverSettings, State, StepReport};
-use crate::physics::assembly::ElasticEnergy;
+use crate::physics::assembly::{ElasticEnergy, Ordering};
 use crate::physics::material::Fabric;
 use crate::physics::math::Lanes;
 use crate::physics::mesh::RestShape;
@@ -34,10 +34,15 @@ pub(super) trait Engine: Send + Sync {
     fn restart(&mut self);
 }
 
-/// The engine of these settings.
-pub(super) fn new(shape: &RestShape, fabric: &Fabric, settings: &SolverSettings) -> Box<dyn Engine> {
+/// The engine of these settings. Its vertices are numbered as `ordering` says.
+pub(super) fn new(
+    shape: &RestShape,
+    fabric: &Fabric,
+    settings: &SolverSettings,
+    ordering: &Ordering,
+) -> Box<dyn Engine> {
     match settings.precision {
-        Precision::Single => Box::new(Implicit::<Lanes<8>>::new(shape, fabric, settings)),
-        Precision::Double => Box::new(Implicit::<f64>::new(shape, fabric, settings)),
+        Precision::Single => Box::new(Implicit::<Lanes<8>>::new(shape, fabric, settings, ordering)),
+        Precision::Double => Box::new(Implicit::<f64>::new(shape, fabric, settings, ordering)),
     }
 }

@@ -22,6 +22,8 @@ pub use integrator::Integrator;
 pub use measure::{Energy, Stretch};
 pub use settings::{Precision, SettingsError, SolverSettings};
 
+use crate::physics::assembly::Ordering;
+use crate::physics::assembly::parts::in_pool;
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
 use crate::physics::solve::SolveError;
@@ -60,9 +62,14 @@ pub struct Cloth {
     fabric: Fabric,
     settings: SolverSettings,
     gravity: DVec3,
-    masses: Vec<f64>,
+    /// The order that the engine has its vertices in, and with it `inner_masses`, `state` and `pins`.
+    ordering: Ordering,
+    inner_masses: Vec<f64>,
     state: State,
     pins: Pins,
+    /// The state in the order of the shape.
+    shown: State,
+    masses: Vec<f64>,
     engine: Box<dyn Engine>,
 }
 
@@ -79,6 +86,8 @@ pub struct StepReport {
     pub velocity_clamps: u32,
     /// Time spent on A and b.
     pub assembly: Duration,
+    /// Time spent on preparing the solver: the preconditioner, or the factorisation.
+    pub preconditioner: Duration,
     /// Time spent on solving.
     pub solve: Duration,
     /// Time of the whole step.
@@ -127,11 +136,17 @@ impl Cloth {
     pub fn new(shape: RestShape, fabric: Fabric, settings: SolverSettings) -> Result<Self, MaterialError> {
         fabric.validate()?;
         let count = shape.vertex_count();
+        let ordering = Ordering::new(&shape.positions);
+        let shown = State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] };
+        let masses = masses(&shape, &fabric);
         Ok(Self {
-            engine: engine::new(&shape, &fabric, &settings),
-            masses: masses(&shape, &fabric),
-            state: State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] },
+            engine: engine::new(&shape, &fabric, &settings, &ordering),
+            inner_masses: in_order(&ordering, &masses),
+            state: State { positions: in_order(&ordering, &shown.positions), velocities: shown.velocities.clone() },
             pins: Pins::new(count),
+            ordering,
+            shown,
+            masses,
             gravity: DVec3::new(0.0, -9.81, 0.0),
             shape,
             fabric,
@@ -157,6 +172,7 @@ impl Cloth {
         fabric.validate()?;
         self.engine.set_fabric(&self.shape, &fabric);
         self.masses = masses(&self.shape, &fabric);
+        self.inner_masses = in_order(&self.ordering, &self.masses);
         self.fabric = fabric;
         Ok(())
     }
@@ -169,7 +185,7 @@ impl Cloth {
     /// Changes how steps are solved; the cloth keeps its motion.
     pub fn set_settings(&mut self, settings: SolverSettings) {
         if settings != self.settings {
-            self.engine = engine::new(&self.shape, &self.fabric, &settings);
+            self.engine = engine::new(&self.shape, &self.fabric, &settings, &self.ordering);
             self.settings = settings;
         }
     }
@@ -186,12 +202,12 @@ impl Cloth {
 
     /// World positions of the simulated vertices, m.
     pub fn positions(&self) -> &[DVec3] {
-        &self.state.positions
+        &self.shown.positions
     }
 
     /// Velocities of the simulated vertices, m/s.
     pub fn velocities(&self) -> &[DVec3] {
-        &self.state.velocities
+        &self.shown.velocities
     }
 
     /// Lumped masses of the simulated vertices, kg.
@@ -204,8 +220,12 @@ impl Cloth {
     /// # Panics
     /// If either slice has not one entry per simulated vertex.
     pub fn set_state(&mut self, positions: &[DVec3], velocities: &[DVec3]) {
-        self.state.positions.copy_from_slice(positions);
-        self.state.velocities.copy_from_slice(velocities);
+        self.shown.positions.copy_from_slice(positions);
+        self.shown.velocities.copy_from_slice(velocities);
+        for (inner, &outer) in self.ordering.outer.iter().enumerate() {
+            self.state.positions[inner] = positions[outer as usize];
+            self.state.velocities[inner] = velocities[outer as usize];
+        }
         self.engine.restart();
     }
 
@@ -219,6 +239,15 @@ impl Cloth {
         }
         self.pins.transform(map);
         self.engine.restart();
+        self.show();
+    }
+
+    /// Brings the state into the order of the shape.
+    fn show(&mut self) {
+        for (inner, &outer) in self.ordering.outer.iter().enumerate() {
+            self.shown.positions[outer as usize] = self.state.positions[inner];
+            self.shown.velocities[outer as usize] = self.state.velocities[inner];
+        }
     }
 
     /// Holds a simulated vertex: it will be at `target` (m) at the end of the next step, and stay there.
@@ -226,7 +255,7 @@ impl Cloth {
     /// # Panics
     /// If there is no such vertex.
     pub fn pin(&mut self, vertex: u32, target: DVec3) {
-        self.pins.set(vertex, target);
+        self.pins.set(self.ordering.inner[vertex as usize], target);
     }
 
     /// Lets every vertex go.
@@ -236,12 +265,13 @@ impl Cloth {
 
     /// Where a vertex is held, if it is, m.
     pub fn pin_target(&self, vertex: u32) -> Option<DVec3> {
-        self.pins.target(vertex)
+        self.ordering.inner.get(vertex as usize).and_then(|&inner| self.pins.target(inner))
     }
 
     /// All held vertices and where, m.
     pub fn pinned(&self) -> impl Iterator<Item = (u32, DVec3)> {
-        self.pins.iter()
+        let vertices = 0..self.masses.len() as u32;
+        vertices.filter_map(|vertex| self.pin_target(vertex).map(|target| (vertex, target)))
     }
 
     /// Advances by `dt` seconds; 0 does nothing.
@@ -255,6 +285,7 @@ impl Cloth {
             fallbacks: 0,
             velocity_clamps: 0,
             assembly: Duration::ZERO,
+            preconditioner: Duration::ZERO,
             solve: Duration::ZERO,
             total: Duration::ZERO,
         };
@@ -265,6 +296,7 @@ impl Cloth {
             self.engine.restart();
             report.outcome = StepOutcome::Rejected(fault);
         }
+        self.show();
         report.total = start.elapsed();
         report
     }
@@ -274,20 +306,14 @@ impl Cloth {
             return Err(ClothFault::TimeStep);
         }
         let substeps = self.settings.substeps.max(1);
-        for remaining in (1..=substeps).rev() {
-            self.pins.advance(&self.state.positions, remaining);
-            self.engine.step(
-                engine::Step {
-                    dt: dt / f64::from(substeps),
-                    gravity: self.gravity,
-                    masses: &self.masses,
-                    pins: &self.pins,
-                },
-                &mut self.state,
-                report,
-            )?;
-        }
-        Ok(())
+        let Self { ordering, gravity, inner_masses, state, pins, engine, .. } = self;
+        in_pool(ordering.part_starts.len(), || {
+            (1..=substeps).rev().try_for_each(|remaining| {
+                pins.advance(&state.positions, remaining);
+                let dt = dt / f64::from(substeps);
+                engine.step(engine::Step { dt, gravity: *gravity, masses: inner_masses, pins }, state, report)
+            })
+        })
     }
 
     /// Energy by term.
@@ -297,7 +323,7 @@ impl Cloth {
 
     /// How far the yarns are stretched.
     pub fn stretch(&self) -> Stretch {
-        measure::stretch(&self.shape, &self.state.positions)
+        measure::stretch(&self.shape, &self.shown.positions)
     }
 }
 
@@ -310,6 +336,11 @@ impl core::fmt::Debug for Cloth {
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }
+}
+
+/// Values of vertices in the order of the engine.
+fn in_order<T: Copy>(ordering: &Ordering, values: &[T]) -> Vec<T> {
+    ordering.outer.iter().map(|&vertex| values[vertex as usize]).collect()
 }
 
 /// Lumped masses: each vertex has a third of the mass of the triangles around it, kg.

@@ -32,10 +32,6 @@ impl Pins {
         self.held.get(vertex).is_some_and(|&held| held).then(|| self.targets[vertex])
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = (u32, DVec3)> {
-        (0..self.held.len() as u32).filter_map(|vertex| self.target(vertex).map(|target| (vertex, target)))
-    }
-
     pub fn transform(&mut self, map: DAffine3) {
         for target in &mut self.targets {
             *target = map.transform_point3(*target);

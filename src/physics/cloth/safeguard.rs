@@ -12,6 +12,7 @@ use super::engine::Step;
 use super::implicit::{Implicit, Linear};
 use super::{ClothFault, State, StepReport};
 use crate::physics::assembly::Projection;
+use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::math::Real;
 
 /// Share of kinetic, elastic and gravity's energy that a step may gain: rounding, truncated solves, second-order steps.
@@ -44,7 +45,7 @@ impl<L: Real> Implicit<L> {
         } else {
             now
         };
-        let kinetic = kinetic(step, &state.velocities);
+        let kinetic = self.kinetic(step, &state.velocities);
         let mass: f64 = step.masses.iter().sum();
         let fall = mass * step.gravity.length_squared() * step.dt * step.dt;
         Budget { start: kinetic + elastic, elastic, tolerance: TOLERANCE * (kinetic + now + fall) }
@@ -53,7 +54,7 @@ impl<L: Real> Implicit<L> {
     /// The elastic energy of the candidate, if it is finite and within the budget.
     pub fn acceptable(&self, budget: &Budget, step: Step, state: &State) -> Option<f64> {
         let elastic = self.system.energy(&self.candidate.positions).total();
-        let end = potential(step, state, &self.candidate.positions, elastic);
+        let end = self.potential(step, state, elastic);
         // Not a number is no less than the budget either.
         (end <= budget.start + budget.tolerance).then_some(elastic)
     }
@@ -114,7 +115,7 @@ impl<L: Real> Implicit<L> {
                 *c = self.point[vertex] + share * d;
             }
             let elastic = self.system.energy(&self.candidate.positions).total();
-            let lower = potential(step, state, &self.candidate.positions, elastic);
+            let lower = self.potential(step, state, elastic);
             if lower <= phi + DECREASE * share * slope.min(0.0) {
                 return Some((lower, elastic));
             }
@@ -125,8 +126,9 @@ impl<L: Real> Implicit<L> {
 
     /// Takes out of the velocities what kinetic energy is beyond the budget.
     fn clamp_velocities(&mut self, budget: &Budget, elastic: f64, step: Step, state: &State, report: &mut StepReport) {
-        let kinetic = kinetic(step, &self.candidate.velocities);
-        let fallen = fall(step, state, &self.candidate.positions);
+        let kinetic = self.kinetic(step, &self.candidate.velocities);
+        let x = &self.candidate.positions;
+        let fallen = self.sum(step, |v| step.masses[v] * step.gravity.dot(x[v] - state.positions[v]));
         let allowed = (budget.start + budget.tolerance - elastic + fallen).max(0.0);
         if kinetic > allowed {
             report.velocity_clamps += 1;
@@ -144,26 +146,29 @@ impl<L: Real> Implicit<L> {
             *point = if held[vertex] { waypoints[vertex] } else { state.positions[vertex] };
         }
     }
-}
 
-/// Kinetic energy of the free vertices, J.
-fn kinetic(step: Step, velocities: &[DVec3]) -> f64 {
-    free(step).map(|v| 0.5 * step.masses[v] * velocities[v].length_squared()).sum()
-}
+    /// Sum over the free vertices.
+    fn sum(&self, step: Step, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let held = step.pins.held();
+        for_parts(self.system.matrix.pattern().parts(), (), &|part: &Part, ()| {
+            part.rows.clone().filter(|&vertex| !held[vertex]).map(&term).sum::<f64>()
+        })
+    }
 
-/// Work of gravity on the free vertices, J.
-fn fall(step: Step, state: &State, x: &[DVec3]) -> f64 {
-    free(step).map(|v| step.masses[v] * step.gravity.dot(x[v] - state.positions[v])).sum()
-}
+    /// Kinetic energy of the free vertices, J.
+    fn kinetic(&self, step: Step, velocities: &[DVec3]) -> f64 {
+        self.sum(step, |v| 0.5 * step.masses[v] * velocities[v].length_squared())
+    }
 
-/// Φ of the free vertices, J.
-fn potential(step: Step, state: &State, x: &[DVec3], elastic: f64) -> f64 {
-    let gap = |v: usize| x[v] - state.positions[v] - step.dt * state.velocities[v];
-    let inertia: f64 = free(step).map(|v| 0.5 * step.masses[v] * gap(v).length_squared()).sum();
-    inertia / (step.dt * step.dt) + elastic - fall(step, state, x)
-}
-
-fn free<'a>(step: Step<'a>) -> impl Iterator<Item = usize> + 'a {
-    let held = step.pins.held();
-    (0..held.len()).filter(|&v| !held[v])
+    /// Φ of the free vertices of the candidate, J.
+    fn potential(&self, step: Step, state: &State, elastic: f64) -> f64 {
+        let rate = 1.0 / (step.dt * step.dt);
+        let x = &self.candidate.positions;
+        let inertia_and_fall = self.sum(step, |v| {
+            let moved = x[v] - state.positions[v];
+            let gap = moved - step.dt * state.velocities[v];
+            step.masses[v] * (0.5 * rate * gap.length_squared() - step.gravity.dot(moved))
+        });
+        inertia_and_fall + elastic
+    }
 }

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::Integrator;
 #[cfg(not(feature = "cholesky"))]
 use crate::physics::solve::PreconditionerKind;
-use crate::physics::solve::SolverKind;
+use crate::physics::solve::{SolverKind, Target};
 
 /// How a step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
@@ -50,6 +50,9 @@ pub enum SettingsError {
     /// The tolerance is NaN, infinite or negative.
     #[error("the tolerance is {0}: it must be a finite number, not negative, in m/s²")]
     Tolerance(f32),
+    /// The relative tolerance is NaN, negative, or 1 or more.
+    #[error("the relative tolerance is {0}: it must be at least 0 and below 1")]
+    RelativeTolerance(f32),
     /// No iterations are allowed.
     #[error("`max_iterations` is 0: the solver may not even start")]
     NoIterations,
@@ -71,17 +74,23 @@ impl SolverSettings {
             SolverKind::ConjugateGradient { tolerance, .. } if !(tolerance.is_finite() && tolerance >= 0.0) => {
                 Err(SettingsError::Tolerance(tolerance))
             }
+            SolverKind::ConjugateGradient { relative_tolerance, .. } if !(0.0..1.0).contains(&relative_tolerance) => {
+                Err(SettingsError::RelativeTolerance(relative_tolerance))
+            }
             SolverKind::ConjugateGradient { max_iterations: 0, .. } => Err(SettingsError::NoIterations),
             _ => Ok(()),
         }
     }
 
-    /// √(rᵀP⁻¹r) of a residual as large as the tolerance, for a cloth of `mass` (kg) and a step of `dt` (s), √kg·m.
-    pub(crate) fn residual_target(&self, mass: f64, dt: f64) -> f64 {
+    /// Where the solver may stop, for a cloth of `mass` (kg) and a step of γ = `gamma` (s).
+    pub(crate) fn target(&self, mass: f64, gamma: f64) -> Target {
         match self.kind {
-            SolverKind::ConjugateGradient { tolerance, .. } => f64::from(tolerance) * dt * dt * mass.sqrt(),
+            SolverKind::ConjugateGradient { tolerance, relative_tolerance, .. } => Target {
+                absolute: f64::from(tolerance) * gamma * gamma * mass.sqrt(),
+                relative: relative_tolerance.into(),
+            },
             #[cfg(feature = "cholesky")]
-            SolverKind::Cholesky => 0.0,
+            SolverKind::Cholesky => Target { absolute: 0.0, relative: 0.0 },
         }
     }
 
@@ -92,6 +101,7 @@ impl SolverSettings {
         #[cfg(not(feature = "cholesky"))]
         let kind = SolverKind::ConjugateGradient {
             tolerance: 1e-9,
+            relative_tolerance: 0.0,
             max_iterations: 100_000,
             preconditioner: PreconditionerKind::Auto,
         };

@@ -146,10 +146,13 @@ pub fn energy<T: Real>(rest: &Rest<T>, k: &Orthotropic<T>, strain: &Strain<T>) -
 /// ∂E/∂x1 and ∂E/∂x2, N; ∂E/∂x0 is minus their sum.
 #[inline(always)]
 pub fn gradient<T: Real>(rest: &Rest<T>, s: &Stress<T>, w: &Deformation<T>) -> [V3<T>; 2] {
-    core::array::from_fn(|i| {
-        let [du, dv] = rest.dm_inverse[i];
-        (w.w_u * (s.s00 * du + s.s01 * dv) + w.w_v * (s.s01 * du + s.s11 * dv)) * rest.area
-    })
+    let [d1, d2] = rest.dm_inverse;
+    [force(rest, s, w, d1), force(rest, s, w, d2)]
+}
+
+#[inline(always)]
+fn force<T: Real>(rest: &Rest<T>, s: &Stress<T>, w: &Deformation<T>, [du, dv]: [T; 2]) -> V3<T> {
+    (w.w_u * (s.s00 * du + s.s01 * dv) + w.w_v * (s.s01 * du + s.s11 * dv)) * rest.area
 }
 
 /// Hessian for a stress made safe, the material term weighted by `material` and the geometric one by `geometric`: in the implicit

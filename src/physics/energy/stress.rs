@@ -19,13 +19,19 @@ impl<T: Real> Stress<T> {
     /// The nearest positive semi-definite stress: eigenvalues λ become max(λ, 0).
     #[inline(always)]
     pub fn positive_part(self) -> Self {
-        self.map_eigenvalues(|lambda| lambda.max(T::zero()))
+        self.map_eigenvalues(
+            #[inline(always)]
+            |lambda| lambda.max(T::zero()),
+        )
     }
 
     /// The absolute value: eigenvalues λ become |λ|.
     #[inline(always)]
     pub fn absolute(self) -> Self {
-        self.map_eigenvalues(|lambda| lambda.max(-lambda))
+        self.map_eigenvalues(
+            #[inline(always)]
+            |lambda| lambda.max(-lambda),
+        )
     }
 
     /// New eigenvalues for the same eigenvectors, in closed form.

@@ -2,6 +2,8 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use wide::f32x4;
+
 use super::Real;
 
 /// `N` f32 values on which every operation acts lane by lane.
@@ -15,12 +17,20 @@ pub struct Lanes<const N: usize>(pub [f32; N]);
 impl<const N: usize> Lanes<N> {
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        Self(core::array::from_fn(|i| f(self.0[i], other.0[i])))
+        let mut lanes = self.0;
+        for (lane, other) in lanes.iter_mut().zip(other.0) {
+            *lane = f(*lane, other);
+        }
+        Self(lanes)
     }
 
     #[inline(always)]
     fn map(self, f: impl Fn(f32) -> f32) -> Self {
-        Self(core::array::from_fn(|i| f(self.0[i])))
+        let mut lanes = self.0;
+        for lane in &mut lanes {
+            *lane = f(*lane);
+        }
+        Self(lanes)
     }
 }
 
@@ -30,7 +40,11 @@ macro_rules! lanewise {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |a, b| $trait::$method(a, b))
+                self.zip(
+                    other,
+                    #[inline(always)]
+                    |a, b| $trait::$method(a, b),
+                )
             }
         }
         impl<const N: usize> $assign for Lanes<N> {
@@ -50,7 +64,11 @@ impl<const N: usize> Div for Lanes<N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| a / b,
+        )
     }
 }
 
@@ -58,12 +76,16 @@ impl<const N: usize> Neg for Lanes<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        self.map(
+            #[inline(always)]
+            |a| -a,
+        )
     }
 }
 
 impl<const N: usize> Real for Lanes<N> {
     type Scalar = f32;
+    type Quads = [f32x4; N];
     const LANES: usize = N;
 
     #[inline(always)]
@@ -71,8 +93,40 @@ impl<const N: usize> Real for Lanes<N> {
         Self([value as f32; N])
     }
     #[inline(always)]
-    fn from_lanes(f: impl FnMut(usize) -> f32) -> Self {
-        Self(core::array::from_fn(f))
+    fn from_lanes(mut f: impl FnMut(usize) -> f32) -> Self {
+        let mut lanes = [0.0; N];
+        for (i, lane) in lanes.iter_mut().enumerate() {
+            *lane = f(i);
+        }
+        Self(lanes)
+    }
+    #[inline(always)]
+    fn from_rows<const K: usize>(mut f: impl FnMut(usize) -> [f32; K]) -> [Self; K] {
+        let mut rows = [Self([0.0; N]); K];
+        for lane in 0..N {
+            let values = f(lane);
+            for k in 0..K {
+                rows[k].0[lane] = values[k];
+            }
+        }
+        rows
+    }
+    #[inline(always)]
+    fn quads(four: [Self; 4]) -> Self::Quads {
+        let mut quads = [f32x4::ZERO; N];
+        // Four lanes at a time; what is left over, one by one.
+        let whole = N / 4 * 4;
+        for first in (0..whole).step_by(4) {
+            let part = |i: usize| {
+                f32x4::new([four[i].0[first], four[i].0[first + 1], four[i].0[first + 2], four[i].0[first + 3]])
+            };
+            let turned = f32x4::transpose([part(0), part(1), part(2), part(3)]);
+            quads[first..first + 4].copy_from_slice(&turned);
+        }
+        for (lane, quad) in quads.iter_mut().enumerate().skip(whole) {
+            *quad = f32x4::new([four[0].0[lane], four[1].0[lane], four[2].0[lane], four[3].0[lane]]);
+        }
+        quads
     }
     #[inline(always)]
     fn lane(self, i: usize) -> f32 {
@@ -84,11 +138,19 @@ impl<const N: usize> Real for Lanes<N> {
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| if a > b { a } else { b },
+        )
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| if a < b { a } else { b },
+        )
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
@@ -96,7 +158,11 @@ impl<const N: usize> Real for Lanes<N> {
     }
     #[inline(always)]
     fn if_positive(self, yes: Self, no: Self) -> Self {
-        Self(core::array::from_fn(|i| if self.0[i] > 0.0 { yes.0[i] } else { no.0[i] }))
+        let mut lanes = yes.0;
+        for ((lane, no), x) in lanes.iter_mut().zip(no.0).zip(self.0) {
+            *lane = if x > 0.0 { *lane } else { no };
+        }
+        Self(lanes)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
-use super::{Real, Scalar, V3};
+use super::{Real, V3};
 
 /// A 3×3 matrix, by rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,32 +46,15 @@ impl<T: Real> M3<T> {
     /// The transpose.
     #[inline(always)]
     pub fn transpose(self) -> Self {
-        Self(core::array::from_fn(|r| core::array::from_fn(|c| self.0[c][r])))
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.0;
+        Self([[a, d, g], [b, e, h], [c, f, i]])
     }
 
     /// Matrix times vector.
     #[inline(always)]
     pub fn mul_vector(&self, v: V3<T>) -> V3<T> {
-        V3(core::array::from_fn(|r| self.0[r][0] * v.0[0] + self.0[r][1] * v.0[1] + self.0[r][2] * v.0[2]))
-    }
-
-    /// Inverse, by cofactors.
-    #[inline(always)]
-    pub fn inverse(&self) -> Self {
         let [a, b, c] = self.rows();
-        let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
-        let scale = T::splat(1.0) / a.dot(bc);
-        Self([bc.0, ca.0, ab.0]).transpose() * scale
-    }
-}
-
-impl<T: Scalar> M3<T> {
-    /// Inverse of a symmetric positive definite matrix of any magnitude: the determinant of a block of grams would vanish in
-    /// f32, so the magnitude is taken out first.
-    #[inline(always)]
-    pub fn scaled_inverse(&self) -> Self {
-        let scale = T::splat(1.0) / self.0[0][0].max(self.0[1][1]).max(self.0[2][2]);
-        (*self * scale).inverse() * scale
+        V3([a.dot(v), b.dot(v), c.dot(v)])
     }
 }
 
@@ -79,7 +62,9 @@ impl<T: Real> Add for M3<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
-        Self(core::array::from_fn(|r| core::array::from_fn(|c| self.0[r][c] + o.0[r][c])))
+        let [a, b, c] = self.rows();
+        let [d, e, f] = o.rows();
+        Self([(a + d).0, (b + e).0, (c + f).0])
     }
 }
 
@@ -87,7 +72,9 @@ impl<T: Real> Sub for M3<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
-        Self(core::array::from_fn(|r| core::array::from_fn(|c| self.0[r][c] - o.0[r][c])))
+        let [a, b, c] = self.rows();
+        let [d, e, f] = o.rows();
+        Self([(a - d).0, (b - e).0, (c - f).0])
     }
 }
 
@@ -95,7 +82,8 @@ impl<T: Real> Neg for M3<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(core::array::from_fn(|r| core::array::from_fn(|c| -self.0[r][c])))
+        let [a, b, c] = self.rows();
+        Self([(-a).0, (-b).0, (-c).0])
     }
 }
 
@@ -103,7 +91,8 @@ impl<T: Real> Mul<T> for M3<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: T) -> Self {
-        Self(core::array::from_fn(|r| core::array::from_fn(|c| self.0[r][c] * s)))
+        let [a, b, c] = self.rows();
+        Self([(a * s).0, (b * s).0, (c * s).0])
     }
 }
 
@@ -112,7 +101,9 @@ impl<T: Real> Mul<M3<T>> for M3<T> {
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
         let [a, b, c] = o.rows();
-        Self(core::array::from_fn(|r| (a * self.0[r][0] + b * self.0[r][1] + c * self.0[r][2]).0))
+        let [p, q, r] = self.0;
+        let row = |x: [T; 3]| (a * x[0] + b * x[1] + c * x[2]).0;
+        Self([row(p), row(q), row(r)])
     }
 }
 

@@ -6,12 +6,14 @@
 
 mod lanes;
 mod matrix;
+mod quad;
 mod real;
 mod simd;
 mod vector;
 
 pub use lanes::Lanes;
 pub use matrix::M3;
+pub use quad::{DotSum, Flat, Padded, Quad, RowSums, Spread};
 pub use real::{Real, Scalar};
 pub(crate) use simd::{Kernel, dispatch};
 pub use vector::V3;

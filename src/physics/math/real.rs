@@ -3,6 +3,10 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use wide::{f32x4, f64x4};
+
+use super::Quad;
+
 /// A real number, or several side by side (one per element of a batch).
 ///
 /// Branches on values are written with [`Real::if_positive`], so that the same source serves one lane and many.
@@ -23,6 +27,8 @@ pub trait Real:
 {
     /// The type of one lane.
     type Scalar: Scalar;
+    /// One quad per lane.
+    type Quads: AsRef<[<Self::Scalar as Scalar>::Quad]>;
     /// Number of lanes.
     const LANES: usize;
 
@@ -30,6 +36,10 @@ pub trait Real:
     fn splat(value: f64) -> Self;
     /// Lane `i` is `f(i)`.
     fn from_lanes(f: impl FnMut(usize) -> Self::Scalar) -> Self;
+    /// Number k of lane `i` is `f(i)[k]`.
+    fn from_rows<const K: usize>(f: impl FnMut(usize) -> [Self::Scalar; K]) -> [Self; K];
+    /// What the four have in each lane.
+    fn quads(four: [Self; 4]) -> Self::Quads;
     /// Value of lane `i`.
     fn lane(self, i: usize) -> Self::Scalar;
     /// Square root.
@@ -52,12 +62,18 @@ pub trait Real:
     /// Sum of the lanes, in f64.
     #[inline(always)]
     fn sum_lanes(self) -> f64 {
-        (0..Self::LANES).map(|i| self.lane(i).to_f64()).sum()
+        let mut sum = 0.0;
+        for i in 0..Self::LANES {
+            sum += self.lane(i).to_f64();
+        }
+        sum
     }
 }
 
 /// A [`Real`] of one lane: the entries of the matrix and of the vectors.
 pub trait Scalar: Real<Scalar = Self> + PartialOrd {
+    /// Four of them side by side.
+    type Quad: Quad<Self>;
     /// Rounds to this precision.
     fn from_f64(value: f64) -> Self;
     /// Widens to f64.
@@ -65,9 +81,10 @@ pub trait Scalar: Real<Scalar = Self> + PartialOrd {
 }
 
 macro_rules! impl_scalar {
-    ($t:ty) => {
+    ($t:ty, $quad:ty) => {
         impl Real for $t {
             type Scalar = $t;
+            type Quads = [$quad; 1];
             const LANES: usize = 1;
 
             #[inline(always)]
@@ -77,6 +94,14 @@ macro_rules! impl_scalar {
             #[inline(always)]
             fn from_lanes(mut f: impl FnMut(usize) -> $t) -> Self {
                 f(0)
+            }
+            #[inline(always)]
+            fn from_rows<const K: usize>(mut f: impl FnMut(usize) -> [$t; K]) -> [Self; K] {
+                f(0)
+            }
+            #[inline(always)]
+            fn quads(four: [Self; 4]) -> Self::Quads {
+                [<$quad>::new(four)]
             }
             #[inline(always)]
             fn lane(self, _: usize) -> $t {
@@ -105,6 +130,8 @@ macro_rules! impl_scalar {
         }
 
         impl Scalar for $t {
+            type Quad = $quad;
+
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
                 value as $t
@@ -117,5 +144,5 @@ macro_rules! impl_scalar {
     };
 }
 
-impl_scalar!(f32);
-impl_scalar!(f64);
+impl_scalar!(f32, f32x4);
+impl_scalar!(f64, f64x4);

@@ -44,7 +44,8 @@ impl<T: Real> V3<T> {
     /// `self otherᵀ`.
     #[inline(always)]
     pub fn outer(self, other: Self) -> M3<T> {
-        M3(core::array::from_fn(|r| core::array::from_fn(|c| self.0[r] * other.0[c])))
+        let [x, y, z] = self.0;
+        M3([(other * x).0, (other * y).0, (other * z).0])
     }
 }
 

@@ -148,7 +148,7 @@ impl RestShape {
 
         // Number the welded vertices that triangles use, in the order of the mesh.
         let mut simulated = vec![None; mesh.positions.len()];
-        let mut positions = Vec::new();
+        let mut positions = Vec::with_capacity(mesh.positions.len());
         for triangle in &triangles {
             for &representative in &triangle.welded {
                 simulated[representative as usize] = Some(0);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::platform::time::Instant;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -11,15 +12,16 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::{LinearSolver, SolveError, Solved};
+use super::{LinearSolver, SolveError, Solved, Target};
 use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{Scalar, V3};
+use crate::physics::math::{Padded, Scalar};
 
 /// Supernodal Cholesky with approximate-minimum-degree ordering, always in f64. The symbolic analysis is made once per
 /// pattern; every buffer is reused.
 pub struct Cholesky {
     lower: SymbolicSparseColMat<u32>,
-    /// Where each entry of the lower triangle comes from: slot · 9 + row · 3 + column within the block.
+    /// Where each entry of the lower triangle comes from: block · 9 + row · 3 + column within the block, blocks being those
+    /// of the diagonal and then the others.
     sources: Vec<u32>,
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
@@ -58,10 +60,18 @@ impl Cholesky {
 }
 
 impl<T: Scalar> LinearSolver<T> for Cholesky {
-    fn solve(&mut self, a: &BlockCsr<T>, b: &[V3<T>], d: &mut [V3<T>], _: f64) -> Result<Solved, SolveError> {
+    fn solve(
+        &mut self,
+        a: &BlockCsr<T>,
+        b: &[Padded<T>],
+        d: &mut [Padded<T>],
+        _: Target,
+    ) -> Result<Solved, SolveError> {
+        let start = Instant::now();
         for (value, &source) in self.values.iter_mut().zip(&self.sources) {
-            let source = source as usize;
-            *value = a.blocks[source / 9].0[source / 3 % 3][source % 3].to_f64();
+            let (block, row, column) = (source as usize / 9, source as usize / 3 % 3, source as usize % 3);
+            let block = if block < a.diagonal.len() { &a.diagonal[block] } else { &a.lower[block - a.diagonal.len()] };
+            *value = block.0[row][column].to_f64();
         }
         for (entries, b) in self.solution.chunks_exact_mut(3).zip(b) {
             entries.copy_from_slice(&b.to_f64());
@@ -81,6 +91,7 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
                 Spec::default(),
             )
             .map_err(|_| SolveError::NotPositiveDefinite)?;
+        let preparation = start.elapsed();
         let rows = self.solution.len();
         llt.solve_in_place_with_conj(
             Conj::No,
@@ -89,30 +100,32 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
             MemStack::new(&mut self.memory),
         );
         for (d, entries) in d.iter_mut().zip(self.solution.chunks_exact(3)) {
-            *d = V3::from_f64([entries[0], entries[1], entries[2]]);
+            *d = Padded::from_f64([entries[0], entries[1], entries[2]]);
         }
-        Ok(Solved { iterations: 0, converged: true })
+        Ok(Solved { iterations: 0, converged: true, preparation })
     }
 }
 
-/// The scalar pattern of the lower triangle by columns, and the block entry behind each of its entries. The matrix is
-/// symmetric, so column j below the diagonal is row j of the blocks right of it, transposed.
+/// The scalar pattern of the lower triangle by columns, and the block entry behind each of its entries.
 fn scalar_lower_triangle(pattern: &BlockPattern) -> (SymbolicSparseColMat<u32>, Vec<u32>) {
+    // The blocks below the diagonal by column.
+    let mut below: Vec<Vec<[usize; 2]>> = vec![Vec::new(); pattern.row_count()];
+    for row in 0..pattern.row_count() {
+        for slot in pattern.row(row) {
+            below[pattern.columns()[slot] as usize].push([row, pattern.row_count() + slot]);
+        }
+    }
     let size = 3 * pattern.row_count();
     let (mut starts, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
-    for block_column in 0..pattern.row_count() {
+    for (diagonal, below) in below.into_iter().enumerate() {
         for column in 0..3 {
-            for slot in pattern.row(block_column) {
-                let block_row = pattern.columns()[slot] as usize;
-                let first = match block_row.cmp(&block_column) {
-                    core::cmp::Ordering::Less => continue,
-                    core::cmp::Ordering::Equal => column,
-                    core::cmp::Ordering::Greater => 0,
-                };
-                for row in first..3 {
-                    rows.push((3 * block_row + row) as u32);
-                    sources.push((9 * slot + 3 * column + row) as u32);
-                }
+            let mut push = |block_row: usize, block: usize, row: usize| {
+                rows.push((3 * block_row + row) as u32);
+                sources.push((9 * block + 3 * row + column) as u32);
+            };
+            (column..3).for_each(|row| push(diagonal, diagonal, row));
+            for &[block_row, block] in &below {
+                (0..3).for_each(|row| push(block_row, block, row));
             }
             starts.push(rows.len() as u32);
         }

@@ -1,13 +1,12 @@
 //! Block incomplete Cholesky factorisation without fill (Meijerink & van der Vorst 1977), as `P = U D Uᵀ` with a unit
 //! lower triangle U of 3×3 blocks on the pattern of A.
 
-use core::ops::Range;
 use std::sync::Arc;
 
 use super::Preconditioner;
-use super::preconditioner::{inverse_above, positive_inverse};
+use super::preconditioner::{inverse_above, invert};
 use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{M3, Scalar, V3};
+use crate::physics::math::{Kernel, M3, Padded, RowSums, Scalar, dispatch};
 
 /// Diagonal shifts, relative to the diagonal (Manteuffel 1980): the factorisation of a positive definite matrix may
 /// fail without one.
@@ -25,18 +24,16 @@ const MIN_PIVOT: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub struct IncompleteCholesky<T> {
     pattern: Arc<BlockPattern>,
-    /// Start of each row in the lower triangle, diagonal excluded.
-    row_starts: Vec<u32>,
     /// Start of each entry's part of `updates`.
     update_starts: Vec<u32>,
-    /// For the entry (i, j) all pairs of entries (i, k), (j, k) with k < j.
-    updates: Vec<[u32; 2]>,
+    /// For the entry (i, j) all k < j with entries (i, k) and (j, k): where each stands in its row.
+    updates: Vec<[u16; 2]>,
     /// U.
     lower: Vec<M3<T>>,
-    /// U D, while a row is being factorised.
+    /// U D of the row that is being factorised.
     scaled: Vec<M3<T>>,
     inverse_pivots: Vec<M3<T>>,
-    /// Which of [`SHIFTS`] the last matrix needed.
+    /// Which of [`SHIFTS`] the last matrix needed; beyond them if none was enough.
     shift: usize,
     /// How many matrices in a row got along with it.
     streak: u32,
@@ -45,67 +42,79 @@ pub struct IncompleteCholesky<T> {
 impl<T: Scalar> IncompleteCholesky<T> {
     /// Analyses a pattern.
     pub fn new(pattern: &Arc<BlockPattern>) -> Self {
-        let rows = pattern.row_count();
-        let lower_columns = |row: usize| &pattern.columns()[lower_slots(pattern, row)];
-        let mut row_starts = vec![0];
-        for row in 0..rows {
-            row_starts.push(row_starts[row] + lower_columns(row).len() as u32);
-        }
+        let columns_of = |row: usize| &pattern.columns()[pattern.row(row)];
         let (mut update_starts, mut updates) = (vec![0], Vec::new());
-        for row in 0..rows {
-            let columns = lower_columns(row);
+        for row in 0..pattern.row_count() {
+            let columns = columns_of(row);
             for (entry, &column) in columns.iter().enumerate() {
-                let other = lower_columns(column as usize);
+                let other = columns_of(column as usize);
                 for (i, k) in columns[..entry].iter().enumerate() {
-                    if let Ok(j) = other.binary_search(k) {
-                        updates.push([row_starts[row] + i as u32, row_starts[column as usize] + j as u32]);
+                    // Beyond 2¹⁶ entries in a row the factorisation is a little less complete.
+                    if let Ok(j) = other.binary_search(k)
+                        && let (Ok(i), Ok(j)) = (u16::try_from(i), u16::try_from(j))
+                    {
+                        updates.push([i, j]);
                     }
                 }
                 update_starts.push(updates.len() as u32);
             }
         }
-        let entries = row_starts[rows] as usize;
+        updates.shrink_to_fit();
+        let longest = (0..pattern.row_count()).map(|row| pattern.row(row).len()).max().unwrap_or(0);
         Self {
             pattern: Arc::clone(pattern),
-            row_starts,
             update_starts,
             updates,
-            lower: vec![M3::zero(); entries],
-            scaled: vec![M3::zero(); entries],
-            inverse_pivots: vec![M3::zero(); rows],
+            lower: vec![M3::zero(); pattern.lower_count()],
+            scaled: vec![M3::zero(); longest],
+            inverse_pivots: vec![M3::zero(); pattern.row_count()],
             shift: 0,
             streak: 0,
         }
     }
+}
+
+impl<T> IncompleteCholesky<T> {
+    /// The diagonal shift of the last matrix, relative to the diagonal; infinite if it got none that was enough.
+    pub fn shift(&self) -> f64 {
+        SHIFTS.get(self.shift).copied().unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Factorises `A + shift diag(A)`; false if a pivot is not positive.
+struct Factorise<'a, T> {
+    factor: &'a mut IncompleteCholesky<T>,
+    a: &'a BlockCsr<T>,
+    shift: T,
+}
+
+impl<T: Scalar> Kernel for Factorise<'_, T> {
+    type Output = bool;
 
     #[inline(always)]
-    fn row(&self, row: usize) -> Range<usize> {
-        self.row_starts[row] as usize..self.row_starts[row + 1] as usize
-    }
-
-    /// Factorises `A + shift diag(A)`; false if a pivot is not positive.
-    fn factorise(&mut self, a: &BlockCsr<T>, shift: f64) -> bool {
-        let shift = T::from_f64(shift);
-        let pattern = Arc::clone(&self.pattern);
+    fn run(self) -> bool {
+        let Self { factor, a, shift } = self;
+        let IncompleteCholesky { pattern, update_starts, updates, lower, scaled, inverse_pivots, .. } = factor;
         for row in 0..pattern.row_count() {
-            let diagonal = a.diagonal(row);
+            let diagonal = a.diagonal[row];
             let mut pivot = diagonal;
             for i in 0..3 {
                 pivot.0[i][i] += shift * diagonal.0[i][i];
             }
-            for (entry, slot) in self.row(row).zip(lower_slots(&pattern, row)) {
-                let updates = self.update_starts[entry] as usize..self.update_starts[entry + 1] as usize;
-                let mut block = a.blocks[slot];
-                for &[ik, jk] in &self.updates[updates] {
-                    block = block - self.scaled[ik as usize] * self.lower[jk as usize].transpose();
+            for (entry, slot) in pattern.row(row).enumerate() {
+                let column = pattern.columns()[slot] as usize;
+                let other = pattern.row(column).start;
+                let mut block = a.lower[slot];
+                for &[ik, jk] in &updates[update_starts[slot] as usize..update_starts[slot + 1] as usize] {
+                    block = block - scaled[usize::from(ik)] * lower[other + usize::from(jk)].transpose();
                 }
-                let unit = block * self.inverse_pivots[pattern.columns()[slot] as usize];
+                let unit = block * inverse_pivots[column];
                 pivot = pivot - block * unit.transpose();
-                self.scaled[entry] = block;
-                self.lower[entry] = unit;
+                scaled[entry] = block;
+                lower[slot] = unit;
             }
             match inverse_above(&pivot, [0, 1, 2].map(|i| T::from_f64(MIN_PIVOT) * diagonal.0[i][i])) {
-                Some(inverse) => self.inverse_pivots[row] = inverse,
+                Some(inverse) => inverse_pivots[row] = inverse,
                 None => return false,
             }
         }
@@ -115,42 +124,59 @@ impl<T: Scalar> IncompleteCholesky<T> {
 
 impl<T: Scalar> Preconditioner<T> for IncompleteCholesky<T> {
     fn update(&mut self, a: &BlockCsr<T>) {
-        let first = if self.streak < PATIENCE { self.shift } else { self.shift.saturating_sub(1) };
-        let found = (first..SHIFTS.len()).find(|&shift| self.factorise(a, SHIFTS[shift]));
-        self.streak = if found == Some(self.shift) && first == self.shift { self.streak + 1 } else { 0 };
-        self.shift = found.unwrap_or(0);
+        let last = self.shift % SHIFTS.len();
+        let first = if self.streak < PATIENCE { last } else { last.saturating_sub(1) };
+        let found = (first..SHIFTS.len())
+            .find(|&shift| dispatch(Factorise { factor: self, a, shift: T::from_f64(SHIFTS[shift]) }));
+        self.streak = if found == Some(last) && first == last { self.streak + 1 } else { 0 };
+        self.shift = found.unwrap_or(SHIFTS.len());
         if found.is_none() {
             // Block Jacobi.
             self.lower.fill(M3::zero());
-            for (row, inverse) in self.inverse_pivots.iter_mut().enumerate() {
-                *inverse = positive_inverse(&a.diagonal(row));
-            }
+            self.inverse_pivots.copy_from_slice(&a.diagonal);
+            invert(&mut self.inverse_pivots);
         }
     }
 
-    fn apply(&mut self, r: &[V3<T>], z: &mut [V3<T>]) {
-        let columns = |row| &self.pattern.columns()[lower_slots(&self.pattern, row)];
-        for row in 0..r.len() {
-            let mut sum = r[row];
-            for (block, &column) in self.lower[self.row(row)].iter().zip(columns(row)) {
-                sum -= block.mul_vector(z[column as usize]);
-            }
-            z[row] = sum;
-        }
-        for (z, inverse) in z.iter_mut().zip(&self.inverse_pivots) {
-            *z = inverse.mul_vector(*z);
-        }
-        for row in (0..r.len()).rev() {
-            let solved = z[row];
-            for (block, &column) in self.lower[self.row(row)].iter().zip(columns(row)) {
-                z[column as usize] -= block.transpose().mul_vector(solved);
-            }
-        }
+    fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+        dispatch(Apply { factor: self, r, z })
     }
 }
 
-/// Slots of the blocks left of the diagonal.
-#[inline(always)]
-fn lower_slots(pattern: &BlockPattern, row: usize) -> Range<usize> {
-    pattern.row(row).start..pattern.diagonals()[row] as usize
+struct Apply<'a, T: Scalar> {
+    factor: &'a IncompleteCholesky<T>,
+    r: &'a [Padded<T>],
+    z: &'a mut [Padded<T>],
+}
+
+impl<T: Scalar> Kernel for Apply<'_, T> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { factor: IncompleteCholesky { pattern, lower, inverse_pivots, .. }, r, z } = self;
+        let columns = pattern.columns();
+        for row in 0..r.len() {
+            let range = pattern.row(row);
+            let mut sums = RowSums::zero();
+            for (block, &column) in lower[range.clone()].iter().zip(&columns[range]) {
+                sums.add(block, z[column as usize]);
+            }
+            z[row] = r[row] - sums.total();
+        }
+        for (z, inverse) in z.iter_mut().zip(inverse_pivots) {
+            *z = inverse.times(*z);
+        }
+        let mut product = 0.0;
+        for row in (0..r.len()).rev() {
+            let range = pattern.row(row);
+            let solved = z[row].truncated();
+            z[row] = solved;
+            product += r[row].dot_f64(solved);
+            for (block, &column) in lower[range.clone()].iter().zip(&columns[range]) {
+                z[column as usize] -= block.transposed_times(solved);
+            }
+        }
+        product
+    }
 }

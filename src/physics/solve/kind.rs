@@ -11,6 +11,8 @@ pub enum SolverKind {
         /// Stop when the residual is that of an acceleration of this size, root mean square, m/s². So the quality of a
         /// solve does not depend on the time step.
         tolerance: f32,
+        /// Or when it is this share of what it was for the starting guess: motion need not be solved to the accuracy of rest.
+        relative_tolerance: f32,
         /// Stop after so many iterations anyway.
         max_iterations: u32,
         /// The preconditioner.
@@ -25,7 +27,7 @@ pub enum SolverKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum PreconditionerKind {
-    /// Incomplete Cholesky for small cloths, multigrid for large ones.
+    /// Incomplete Cholesky for cloths of few hundred vertices, as long as it needs no large diagonal shift; else multigrid.
     #[default]
     Auto,
     /// The diagonal blocks: the least work per iteration, and the most iterations.
@@ -37,14 +39,24 @@ pub enum PreconditionerKind {
 }
 
 impl SolverKind {
-    /// Conjugate gradients stopping at `tolerance`, m/s².
+    /// Conjugate gradients stopping at `tolerance`, m/s², and nowhere before.
     pub const fn conjugate_gradient(tolerance: f32) -> Self {
-        Self::ConjugateGradient { tolerance, max_iterations: 500, preconditioner: PreconditionerKind::Auto }
+        Self::ConjugateGradient {
+            tolerance,
+            relative_tolerance: 0.0,
+            max_iterations: 500,
+            preconditioner: PreconditionerKind::Auto,
+        }
     }
 }
 
 impl Default for SolverKind {
     fn default() -> Self {
-        Self::conjugate_gradient(0.01)
+        Self::ConjugateGradient {
+            tolerance: 0.005,
+            relative_tolerance: 0.01,
+            max_iterations: 500,
+            preconditioner: PreconditionerKind::Auto,
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! [`Preconditioner`]. Neither knows what the matrix means.
 
 pub mod amg;
+mod auto;
 #[cfg(feature = "cholesky")]
 mod cholesky;
 mod conjugate_gradient;
@@ -12,11 +13,13 @@ pub mod incomplete_cholesky;
 mod kind;
 mod preconditioner;
 
+use core::time::Duration;
 use std::sync::Arc;
 
 use thiserror::Error;
 
 pub use amg::Multigrid;
+pub use auto::Auto;
 #[cfg(feature = "cholesky")]
 pub use cholesky::Cholesky;
 pub use conjugate_gradient::ConjugateGradient;
@@ -25,7 +28,7 @@ pub use kind::{PreconditionerKind, SolverKind};
 pub use preconditioner::{BlockJacobi, Preconditioner};
 
 use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{Scalar, V3};
+use crate::physics::math::{Padded, Scalar};
 
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,6 +37,8 @@ pub struct Solved {
     pub iterations: u32,
     /// False if the iterations ran out before the tolerance was met.
     pub converged: bool,
+    /// Time spent on preparing: adapting the preconditioner, or factorising.
+    pub preparation: Duration,
 }
 
 /// A solve that gave nothing usable.
@@ -47,14 +52,29 @@ pub enum SolveError {
     NotFinite,
 }
 
+/// When an iterative solver may stop: once the residual r = b − A d is below either bound in the norm √(rᵀP⁻¹r) of its
+/// preconditioner P ≈ A.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// √kg·m.
+    pub absolute: f64,
+    /// Of what it was for the starting guess.
+    pub relative: f64,
+}
+
 /// Solves A d = b, again and again for matrices of one pattern.
 pub trait LinearSolver<T: Scalar>: Send + Sync {
-    /// Solves. `d` holds the starting guess on entry and the answer on return. An iterative solver stops once the
-    /// residual r = b − A d is below `target` in the norm √(rᵀP⁻¹r) of its preconditioner P ≈ A, √kg·m.
+    /// Solves. `d` holds the starting guess on entry and the answer on return; a direct solver takes no notice of `target`.
     ///
     /// # Errors
     /// See [`SolveError`]; `d` is then not to be used.
-    fn solve(&mut self, a: &BlockCsr<T>, b: &[V3<T>], d: &mut [V3<T>], target: f64) -> Result<Solved, SolveError>;
+    fn solve(
+        &mut self,
+        a: &BlockCsr<T>,
+        b: &[Padded<T>],
+        d: &mut [Padded<T>],
+        target: Target,
+    ) -> Result<Solved, SolveError>;
 }
 
 /// The solver of this kind for matrices of this pattern.
@@ -68,15 +88,13 @@ pub fn solver<T: Scalar>(kind: SolverKind, pattern: &Arc<BlockPattern>) -> Box<d
     }
 }
 
-/// Cloths of fewer vertices are solved faster with incomplete Cholesky than with multigrid.
-const MULTIGRID_FROM: usize = 1000;
+/// Cloths of fewer vertices are solved as fast with incomplete Cholesky, which takes less memory.
+const MULTIGRID_FROM: usize = 300;
 
 /// The preconditioner of this kind for matrices of this pattern.
 pub fn preconditioner<T: Scalar>(kind: PreconditionerKind, pattern: &Arc<BlockPattern>) -> Box<dyn Preconditioner<T>> {
     match kind {
-        PreconditionerKind::Auto if pattern.row_count() < MULTIGRID_FROM => {
-            preconditioner(PreconditionerKind::IncompleteCholesky, pattern)
-        }
+        PreconditionerKind::Auto if pattern.row_count() < MULTIGRID_FROM => Box::new(Auto::new(pattern)),
         PreconditionerKind::Auto => preconditioner(PreconditionerKind::Multigrid, pattern),
         PreconditionerKind::BlockJacobi => Box::new(BlockJacobi::new(pattern.row_count())),
         PreconditionerKind::IncompleteCholesky => Box::new(IncompleteCholesky::new(pattern)),

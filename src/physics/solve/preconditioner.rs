@@ -1,14 +1,14 @@
 //! Approximate inverses of A.
 
 use crate::physics::assembly::BlockCsr;
-use crate::physics::math::{M3, Scalar, V3};
+use crate::physics::math::{Kernel, M3, Padded, Scalar, dispatch};
 
 /// A symmetric positive definite approximation P⁻¹ of A⁻¹.
 pub trait Preconditioner<T: Scalar>: Send + Sync {
     /// Adapts to a new matrix of the same pattern.
     fn update(&mut self, a: &BlockCsr<T>);
-    /// `z = P⁻¹ r`.
-    fn apply(&mut self, r: &[V3<T>], z: &mut [V3<T>]);
+    /// `z = P⁻¹ r`, for the matrix that it was last adapted to; returns rᵀ z.
+    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
 }
 
 impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
@@ -16,8 +16,8 @@ impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
         (**self).update(a);
     }
 
-    fn apply(&mut self, r: &[V3<T>], z: &mut [V3<T>]) {
-        (**self).apply(r, z);
+    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+        (**self).apply(a, r, z)
     }
 }
 
@@ -36,23 +36,50 @@ impl<T: Scalar> BlockJacobi<T> {
 
 impl<T: Scalar> Preconditioner<T> for BlockJacobi<T> {
     fn update(&mut self, a: &BlockCsr<T>) {
-        for (row, inverse) in self.inverses.iter_mut().enumerate() {
-            *inverse = positive_inverse(&a.diagonal(row));
-        }
+        self.inverses.copy_from_slice(&a.diagonal);
+        invert(&mut self.inverses);
     }
 
-    fn apply(&mut self, r: &[V3<T>], z: &mut [V3<T>]) {
+    fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+        let mut product = 0.0;
         for ((z, inverse), &r) in z.iter_mut().zip(&self.inverses).zip(r) {
-            *z = inverse.mul_vector(r);
+            *z = inverse.times(r);
+            product += r.dot_f64(*z);
+        }
+        product
+    }
+}
+
+/// Replaces symmetric positive definite blocks by their inverses.
+pub(super) fn invert<T: Scalar>(blocks: &mut [M3<T>]) {
+    dispatch(Invert { blocks });
+}
+
+struct Invert<'a, T> {
+    blocks: &'a mut [M3<T>],
+}
+
+impl<T: Scalar> Kernel for Invert<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for block in self.blocks {
+            let floors = [0, 1, 2].map(|i| T::from_f64(SAFE_PIVOT) * block.0[i][i]);
+            *block = inverse_above(block, floors).unwrap_or_else(|| positive_inverse(block));
         }
     }
 }
+
+/// Smallest pivot of a diagonal block, relative to the diagonal entry, with which its inverse is right in f32.
+const SAFE_PIVOT: f64 = 1e-3;
 
 /// Smallest pivot of a diagonal block taken as it is, relative to the diagonal entry: a few roundings of f32.
 const MIN_PIVOT: f64 = 1e-6;
 
 /// The inverse of a symmetric block that is positive definite but for rounding: if it is not, its diagonal is raised
 /// until it is. In f64, as the block may be close to singular in f32.
+#[cold]
 pub(super) fn positive_inverse<T: Scalar>(block: &M3<T>) -> M3<T> {
     let block = M3(block.0.map(|row| row.map(T::to_f64)));
     let scale = block.0[0][0].max(block.0[1][1]).max(block.0[2][2]);
@@ -70,11 +97,16 @@ pub(super) fn positive_inverse<T: Scalar>(block: &M3<T>) -> M3<T> {
 /// The inverse of a symmetric block, if the pivots of its LDLᵀ are above these and positive.
 #[inline(always)]
 pub(super) fn inverse_above<T: Scalar>(block: &M3<T>, floors: [T; 3]) -> Option<M3<T>> {
-    let [[a, b, c], [_, d, e], [_, _, f]] = block.0;
-    let (l1, l2) = (b / a, c / a);
-    let d1 = d - l1 * b;
-    let l3 = (e - l1 * c) / d1;
-    let d2 = f - l2 * c - l3 * (e - l1 * c);
-    let positive = |pivot: T, floor: T| pivot > floor.max(T::zero());
-    (positive(a, floors[0]) && positive(d1, floors[1]) && positive(d2, floors[2])).then(|| block.scaled_inverse())
+    // The determinant of a block of grams would vanish in f32, so the magnitude is taken out first.
+    let scale = T::splat(1.0) / block.0[0][0].max(block.0[1][1]).max(block.0[2][2]);
+    let [[a, b, c], [_, d, e], [_, _, f]] = (*block * scale).0;
+    let [p, q, r] = floors.map(|floor| (floor * scale).max(T::zero()));
+    // Cofactors; the pivots are a, minor/a and determinant/minor.
+    let (ca, cb, cc) = (d * f - e * e, c * e - b * f, b * e - c * d);
+    let minor = a * d - b * b;
+    let determinant = a * ca + b * cb + c * cc;
+    let positive = a > p && minor > q * a && determinant > r * minor && minor > T::zero() && determinant > T::zero();
+    let inverse = scale / determinant;
+    let (cd, ce) = (a * f - c * c, b * c - a * e);
+    positive.then(|| M3([[ca, cb, cc], [cb, cd, ce], [cc, ce, minor]]) * inverse)
 }

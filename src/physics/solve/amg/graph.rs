@@ -10,12 +10,24 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// Every block of the pattern is an edge.
+    /// Rows that the pattern has as neighbours.
     pub fn of_pattern(pattern: &BlockPattern) -> Self {
-        let mut graph = Self { starts: vec![0], neighbours: Vec::new() };
+        let mut rows: Vec<Vec<u32>> = (0..pattern.row_count()).map(|row| pattern.near(row).collect()).collect();
         for row in 0..pattern.row_count() {
-            let columns = &pattern.columns()[pattern.row(row)];
-            graph.neighbours.extend(columns.iter().filter(|&&column| column as usize != row));
+            for column in pattern.near(row) {
+                rows[column as usize].push(row as u32);
+            }
+        }
+        Self::of_rows(rows)
+    }
+
+    /// The neighbours of each node, sorted and each once.
+    fn of_rows(rows: Vec<Vec<u32>>) -> Self {
+        let mut graph = Self { starts: vec![0], neighbours: Vec::new() };
+        for mut row in rows {
+            row.sort_unstable();
+            row.dedup();
+            graph.neighbours.extend(row);
             graph.starts.push(graph.neighbours.len() as u32);
         }
         graph
@@ -36,14 +48,7 @@ impl Graph {
             let others = self.neighbours(node).iter().map(|&other| group_of[other as usize]);
             rows[group as usize].extend(others.filter(|&other| other != group));
         }
-        let mut graph = Self { starts: vec![0], neighbours: Vec::new() };
-        for mut row in rows {
-            row.sort_unstable();
-            row.dedup();
-            graph.neighbours.extend(row);
-            graph.starts.push(graph.neighbours.len() as u32);
-        }
-        graph
+        Self::of_rows(rows)
     }
 
     /// Puts each node into an aggregate: number by node, and how many there are. Greedily: first whole neighbourhoods
