@@ -21,7 +21,7 @@ pub struct StepSystem {
 impl StepSystem {
     /// Of a cloth as it stands.
     pub fn new(cloth: &Cloth) -> Self {
-        let ordering = Ordering::new(&cloth.shape().positions);
+        let ordering = Ordering::new(cloth.shape());
         let inner = |values: &dyn Fn(usize) -> DVec3| ordering.outer.iter().map(|&v| values(v as usize)).collect();
         let mut step = Self {
             system: System::new(cloth.shape(), cloth.fabric(), &ordering),
@@ -55,11 +55,11 @@ pub struct FullMatrix {
 impl FullMatrix {
     /// The same matrix, with the blocks above the diagonal too.
     pub fn new(a: &BlockCsr<f32>) -> Self {
-        let mut rows: Vec<Vec<(u32, M3<f32>)>> =
-            a.diagonal.iter().enumerate().map(|(row, &block)| vec![(row as u32, block)]).collect();
-        for row in 0..rows.len() {
+        let count = a.pattern().row_count();
+        let mut rows: Vec<Vec<(u32, M3<f32>)>> = (0..count).map(|row| vec![(row as u32, a.diagonal(row))]).collect();
+        for row in 0..count {
             for (column, block) in a.lower_row(row) {
-                rows[row].push((column, *block));
+                rows[row].push((column, block));
                 rows[column as usize].push((row as u32, block.transpose()));
             }
         }
@@ -115,11 +115,12 @@ mod tests {
         for _ in 0..3 {
             cloth.step(DT);
         }
-        let step = StepSystem::new(&cloth);
+        let mut step = StepSystem::new(&cloth);
         let x: Vec<_> = step.positions.iter().map(|x| Padded::from_f64(x.to_array())).collect();
         let (mut half, mut full) = (vec![Padded::zero(); x.len()], vec![Padded::zero(); x.len()]);
-        step.system.matrix.multiply(&x, &mut half);
         FullMatrix::new(&step.system.matrix).multiply(&x, &mut full);
+        step.system.matrix.interleave();
+        step.system.matrix.multiply(&x, &mut half);
         let norm = |v: &[Padded<f32>]| v.iter().map(|v| v.dot_f64(*v)).sum::<f64>().sqrt();
         let difference: Vec<_> = half.iter().zip(&full).map(|(&a, &b)| a - b).collect();
         assert!(norm(&difference) < 1e-5 * norm(&full), "{:e} of {:e}", norm(&difference), norm(&full));

@@ -27,6 +27,9 @@ impl Case {
     /// A hundred cloths of 20², on one thread.
     pub const CROWD: Self = Self { cloths: 100, ..Self::sheet(20) };
 
+    /// The sheet whose error is compared with that of others.
+    pub const CONVERGED: Self = Self::sheet(50);
+
     /// The cases of the solver alone.
     pub fn of_solver(options: &Options) -> Vec<Self> {
         let threads = options.thread_count();
@@ -39,7 +42,7 @@ impl Case {
                 Part::Irregular => cases.extend(
                     [Meshing::Irregular, Meshing::Shuffled].map(|meshing| Self { meshing, ..Self::sheet(100) }),
                 ),
-                Part::Plugin => {}
+                Part::Plugin | Part::Accuracy => {}
             }
         }
         without_repeats(cases)
@@ -52,6 +55,15 @@ impl Case {
         }
         let threads = options.thread_count();
         without_repeats(vec![Self::sheet(100), Self::CROWD, Self { threads, ..Self::CROWD }])
+    }
+
+    /// The cases whose accuracy is measured.
+    pub fn of_accuracy(options: &Options) -> Vec<Self> {
+        if !options.parts.contains(&Part::Accuracy) {
+            return Vec::new();
+        }
+        let sheets = options.sizes.iter().copied().map(Self::sheet);
+        without_repeats([Self::CONVERGED].into_iter().chain(sheets).collect())
     }
 
     /// What the table calls it.

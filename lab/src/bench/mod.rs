@@ -3,6 +3,7 @@
 //! Every row says what a frame takes beside what one product of the same matrix with a vector takes in the same run
 //! ([`spmv`]): the ratio holds across machines, and, made of processor time, on a busy one.
 
+pub mod accuracy;
 mod case;
 mod options;
 pub mod plugin;
@@ -30,6 +31,7 @@ use crate::report::JsonLines;
 enum Record<'a> {
     Solver(&'a solver::SolverRow),
     Plugin(&'a plugin::PluginRow),
+    Accuracy(&'a accuracy::AccuracyRow),
     Target(&'a targets::Verdict),
 }
 
@@ -41,8 +43,10 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
     let mut json = options.json.as_deref().map(JsonLines::create).transpose()?;
     let mut record = |record: Record| json.as_mut().map_or(Ok(()), |json| json.write(&record));
     let (solver_cases, plugin_cases) = (Case::of_solver(options), Case::of_plugin(options));
+    let accuracy_cases = Case::of_accuracy(options);
     let (frames, repeat) = (options.frames, options.repeat);
-    let progress = progress_bar((solver_cases.len() + plugin_cases.len()) as u64 * u64::from(frames * repeat));
+    let timed = (solver_cases.len() + plugin_cases.len()) as u64 * u64::from(frames * repeat);
+    let progress = progress_bar(timed + accuracy_cases.len() as u64 * accuracy::frames());
 
     let mut rows = Vec::new();
     for case in solver_cases {
@@ -58,15 +62,23 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         record(Record::Plugin(&row))?;
         plugin_rows.push(row);
     }
+    let mut accuracy_rows = Vec::new();
+    for case in accuracy_cases {
+        progress.set_message(format!("accuracy, {}", case.name()));
+        let row = pool(case.threads)?.install(|| accuracy::measure(case, case == Case::CONVERGED, &progress));
+        record(Record::Accuracy(&row))?;
+        accuracy_rows.push(row);
+    }
     progress.finish_and_clear();
 
-    let verdicts = targets::verdicts(&rows, &plugin_rows);
+    let verdicts = targets::verdicts(&rows, &plugin_rows, &accuracy_rows);
     for verdict in &verdicts {
         record(Record::Target(verdict))?;
     }
     let tables = [
         (!rows.is_empty()).then(|| solver::table(&rows)),
         (!plugin_rows.is_empty()).then(|| plugin::table(&plugin_rows)),
+        (!accuracy_rows.is_empty()).then(|| accuracy::table(&accuracy_rows)),
         (!verdicts.is_empty()).then(|| targets::table(&verdicts)),
     ];
     let mut text = format!("Sheets hung by two corners, {frames} frames of 1/60 s. Times in ms per frame.\n\n");

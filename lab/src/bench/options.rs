@@ -52,10 +52,12 @@ pub enum Part {
     Irregular,
     /// The whole plugin in an app without a window.
     Plugin,
+    /// Error and stretch of the default step against converged ones, in every size.
+    Accuracy,
 }
 
 impl Part {
-    const ALL: [Self; 5] = [Self::Sheets, Self::Threads, Self::Crowd, Self::Irregular, Self::Plugin];
+    const ALL: [Self; 6] = [Self::Sheets, Self::Threads, Self::Crowd, Self::Irregular, Self::Plugin, Self::Accuracy];
 }
 
 impl Options {

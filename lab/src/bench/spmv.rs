@@ -23,9 +23,11 @@ pub struct Yardstick {
 impl Yardstick {
     /// For a cloth as it stands.
     pub fn new(cloth: &Cloth) -> Self {
-        let StepSystem { system, positions, .. } = StepSystem::new(cloth);
+        let StepSystem { mut system, positions, .. } = StepSystem::new(cloth);
         let x: Vec<_> = positions.iter().map(|x| Padded::from_f64(x.to_array())).collect();
-        Self { full: FullMatrix::new(&system.matrix), half: system.matrix, y: x.clone(), x }
+        let full = FullMatrix::new(&system.matrix);
+        system.matrix.interleave();
+        Self { full, half: system.matrix, y: x.clone(), x }
     }
 
     /// Time of one product: with both halves of the matrix stored, as everybody has it, which is the yardstick; and as the

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::accuracy::AccuracyRow;
 use super::case::Case;
 use super::plugin::PluginRow;
 use super::solver::SolverRow;
@@ -44,7 +45,7 @@ impl Verdict {
 }
 
 /// The targets that these rows say something about.
-pub fn verdicts(rows: &[SolverRow], plugin: &[PluginRow]) -> Vec<Verdict> {
+pub fn verdicts(rows: &[SolverRow], plugin: &[PluginRow], accuracy: &[AccuracyRow]) -> Vec<Verdict> {
     let ms = |case: Case| rows.iter().find(|row| row.case == case).map(|row| row.frame_ms.median);
     let mut verdicts = Vec::new();
     for (side, limit, spmvs) in SHEETS {
@@ -75,6 +76,14 @@ pub fn verdicts(rows: &[SolverRow], plugin: &[PluginRow]) -> Vec<Verdict> {
     let grids = rows.iter().filter(|row| row.case.meshing == Meshing::Grid);
     if let Some(bytes) = grids.map(|row| row.bytes_per_vertex).reduce(f64::max) {
         verdicts.push(Verdict::at_most("memory: bytes per vertex, the most", 1500.0, bytes));
+    }
+    for row in accuracy {
+        if let Some(error) = row.error_m {
+            verdicts.push(Verdict::at_most(format!("{}: error over half a second, m", row.case.name()), 1.5e-2, error));
+        }
+    }
+    if let Some(error) = accuracy.iter().map(AccuracyRow::stretch_error).reduce(f64::max) {
+        verdicts.push(Verdict::at_most("RMS stretch against exact solves, the worst", 0.02, error));
     }
     verdicts
 }
@@ -124,7 +133,7 @@ mod tests {
 
     #[test]
     fn only_what_was_measured_is_judged() {
-        let verdicts = verdicts(&[row(Case::sheet(64), 2.0)], &[]);
+        let verdicts = verdicts(&[row(Case::sheet(64), 2.0)], &[], &[]);
         let judged: Vec<_> = verdicts.iter().map(|v| (v.target.as_str(), v.met)).collect();
         let expected =
             [("64²: ms per frame", false), ("64²: frame in SpMVs", true), ("memory: bytes per vertex, the most", true)];
@@ -137,7 +146,7 @@ mod tests {
         let [one, two] = pair(Case::CROWD, 9.0);
         let [sheet, sheet_on_two] = pair(Case::sheet(100), 4.0);
         let rows = [row(Case::sheet(32), 0.3), row(Case::sheet(200), 0.3 * 39.0625), one, two, sheet, sheet_on_two];
-        let verdicts = verdicts(&rows, &[]);
+        let verdicts = verdicts(&rows, &[], &[]);
         let find = |text: &str| verdicts.iter().find(|v| v.target.starts_with(text)).expect("judged");
         assert!((find("growth").measured - 1.0).abs() < 1e-12);
         let gains: Vec<_> = verdicts.iter().filter(|v| v.at_least).map(|v| v.met).collect();

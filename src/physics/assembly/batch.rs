@@ -5,8 +5,8 @@ use core::ops::Range;
 use bevy::math::DVec3;
 
 use super::implicit_step::Linearisation;
-use super::{BlockPattern, Part};
-use crate::physics::math::{Flat, Kernel, M3, Padded, Real, Scalar, V3, dispatch};
+use super::{BlockPattern, Group, Part};
+use crate::physics::math::{Flat, Kernel, Padded, ROWS, Real, Scalar, V3, dispatch};
 
 /// A kind of element.
 pub(super) trait Elements: Sync {
@@ -15,7 +15,8 @@ pub(super) trait Elements: Sync {
     fn batches(&self) -> &[PartBatches];
     /// Energy of a batch, lane by lane, J.
     fn energy(&self, batch: usize, x: &[DVec3]) -> Self::Lanes;
-    /// Adds forces, damping included, and the weighted projected Hessian of a batch.
+    /// Adds forces, damping included, and of the weighted projected Hessian of a batch what is below the diagonal: the rest
+    /// follows from it, see [`row_sums`](super::row_sums).
     fn assemble(&self, batch: usize, at: &Linearisation<ScalarOf<Self>>, out: &mut Output<ScalarOf<Self>>);
 }
 
@@ -72,16 +73,16 @@ impl<E: Elements> Kernel for Assemble<'_, '_, E> {
 pub(super) struct Output<'a, T: Scalar> {
     part: usize,
     first_row: usize,
-    first_slot: usize,
-    diagonal: &'a mut [M3<T>],
-    lower: &'a mut [M3<T>],
+    first_group: usize,
+    groups: &'a mut [Group<T>],
     forces: &'a mut [Padded<T>],
 }
 
 impl<'a, T: Scalar> Output<'a, T> {
-    /// For a part, of which these are the blocks and forces.
-    pub fn new(part: &Part, diagonal: &'a mut [M3<T>], lower: &'a mut [M3<T>], forces: &'a mut [Padded<T>]) -> Self {
-        Self { part: part.index, first_row: part.rows.start, first_slot: part.slots.start, diagonal, lower, forces }
+    /// For a part, of which these are the blocks below the diagonal and the forces.
+    pub fn new(part: &Part, groups: &'a mut [Group<T>], forces: &'a mut [Padded<T>]) -> Self {
+        let (first_row, first_group) = (part.rows.start, part.groups.start);
+        Self { part: part.index, first_row, first_group, groups, forces }
     }
 
     /// Adds to the force on a vertex.
@@ -92,19 +93,11 @@ impl<'a, T: Scalar> Output<'a, T> {
         }
     }
 
-    /// Adds to the diagonal block of a vertex.
+    /// Adds to the block of a slot.
     #[inline(always)]
-    pub fn add_diagonal(&mut self, vertex: u32, block: Flat<T>) {
-        if let Some(sum) = self.diagonal.get_mut((vertex as usize).wrapping_sub(self.first_row)) {
-            sum.accumulate(block);
-        }
-    }
-
-    /// Adds to a block below the diagonal.
-    #[inline(always)]
-    pub fn add_lower(&mut self, slot: u32, block: Flat<T>) {
-        if let Some(sum) = self.lower.get_mut((slot as usize).wrapping_sub(self.first_slot)) {
-            sum.accumulate(block);
+    pub fn add(&mut self, slot: usize, block: Flat<T>) {
+        if let Some(group) = self.groups.get_mut((slot / ROWS).wrapping_sub(self.first_group)) {
+            group.accumulate(slot % ROWS, block);
         }
     }
 }
@@ -133,7 +126,8 @@ pub(super) struct Batches<const V: usize, const P: usize> {
 impl<const V: usize, const P: usize> Batches<V, P> {
     /// Batches of these elements, and which of them stands at each place; [`FILLER`] where a batch is filled up with a copy,
     /// whose rest data must make it contribute nothing.
-    pub fn new(elements: &[[u32; V]], lanes: usize, pattern: &BlockPattern) -> (Self, Vec<u32>) {
+    /// They stand in the order of `rank`, by vertex: so what is near each other is worked on one after the other.
+    pub fn new(elements: &[[u32; V]], lanes: usize, pattern: &BlockPattern, rank: &[u32]) -> (Self, Vec<u32>) {
         let part_of = |vertex: u32| pattern.parts().partition_point(|part| part.rows.end <= vertex as usize);
         let mut in_part: Vec<[Vec<usize>; 2]> = pattern.parts().iter().map(|_| Default::default()).collect();
         for (element, vertices) in elements.iter().enumerate() {
@@ -151,7 +145,7 @@ impl<const V: usize, const P: usize> Batches<V, P> {
         for groups in in_part {
             let start = sources.len() / lanes;
             let [own, _] = groups.map(|mut group| {
-                group.sort_by_key(|&element| elements[element].into_iter().max());
+                group.sort_by_key(|&element| elements[element].into_iter().map(|vertex| rank[vertex as usize]).max());
                 sources.extend(group.iter().map(|&element| element as u32));
                 batches.vertices.extend(group.iter().map(|&element| elements[element]));
                 while !sources.len().is_multiple_of(lanes) {

@@ -2,19 +2,23 @@
 
 use std::sync::Arc;
 
-use super::BlockPattern;
-use super::parts::{Part, for_parts};
-use crate::physics::math::{DotSum, Kernel, M3, Padded, RowSums, Scalar, dispatch};
+use super::parts::{ByGroup, BySlice, Part, for_parts};
+use super::slice;
+use super::{BlockPattern, Group};
+use crate::physics::math::{Kernel, M3, Oct, Padded, ROWS, RowKernel, Scalar, dispatch};
 
-/// Symmetric block compressed sparse rows, A = L + D + Lᵀ: the diagonal, and the lower half. One pass over L serves both
-/// halves.
+/// A = L + D + Lᵀ: the diagonal, and the lower half. One pass over L serves both halves.
+///
+/// Blocks are added to the matrix one by one, but it is multiplied [`ROWS`] rows at once. So there are two stages: after
+/// [`BlockCsr::clear`] each block stands on its own, after [`BlockCsr::interleave`] the entries of a group stand side by side.
 #[derive(Clone, Debug)]
 pub struct BlockCsr<T> {
     pattern: Arc<BlockPattern>,
-    /// D, by row.
-    pub diagonal: Vec<M3<T>>,
-    /// L, by slot.
-    pub lower: Vec<M3<T>>,
+    /// D, by slice.
+    diagonal: Vec<Group<T>>,
+    /// L, by group.
+    lower: Vec<Group<T>>,
+    interleaved: bool,
     /// Rows that are coupled with no others: those of pins, once taken out.
     pub fixed: Vec<bool>,
 }
@@ -22,10 +26,10 @@ pub struct BlockCsr<T> {
 impl<T: Scalar> BlockCsr<T> {
     /// The zero matrix of a pattern.
     pub fn zero(pattern: Arc<BlockPattern>) -> Self {
-        let diagonal = vec![M3::zero(); pattern.row_count()];
-        let lower = vec![M3::zero(); pattern.lower_count()];
+        let diagonal = vec![Group::zero(); pattern.slices().len()];
+        let lower = vec![Group::zero(); pattern.group_count()];
         let fixed = vec![false; pattern.row_count()];
-        Self { pattern, diagonal, lower, fixed }
+        Self { pattern, diagonal, lower, interleaved: false, fixed }
     }
 
     /// The pattern.
@@ -33,16 +37,93 @@ impl<T: Scalar> BlockCsr<T> {
         &self.pattern
     }
 
-    /// Columns and blocks of a row left of the diagonal.
+    /// Begins anew: D and L, to be filled part by part. They are not zero yet.
+    pub(crate) fn clear(&mut self) -> (BySlice<'_, Group<T>>, ByGroup<'_, Group<T>>) {
+        self.interleaved = false;
+        self.fixed.fill(false);
+        (BySlice(&mut self.diagonal), ByGroup(&mut self.lower))
+    }
+
+    /// D, which is changed part by part, and L as it is.
+    pub(crate) fn diagonal_and_lower(&mut self) -> (BySlice<'_, Group<T>>, &[Group<T>]) {
+        debug_assert!(!self.interleaved);
+        (BySlice(&mut self.diagonal), &self.lower)
+    }
+
+    /// The block of a slot. Not of an interleaved matrix.
     #[inline(always)]
-    pub fn lower_row(&self, row: usize) -> impl Iterator<Item = (u32, &M3<T>)> {
-        let range = self.pattern.row(row);
-        self.pattern.columns()[range.clone()].iter().copied().zip(&self.lower[range])
+    pub fn block(&self, slot: usize) -> M3<T> {
+        debug_assert!(!self.interleaved);
+        self.lower[slot / ROWS].block(slot % ROWS)
+    }
+
+    /// Changes the block of a slot. Not of an interleaved matrix.
+    #[inline(always)]
+    pub fn set_block(&mut self, slot: usize, block: M3<T>) {
+        debug_assert!(!self.interleaved);
+        self.lower[slot / ROWS].set_block(slot % ROWS, block);
+    }
+
+    /// The block of a row on the diagonal.
+    #[inline(always)]
+    pub fn diagonal(&self, row: usize) -> M3<T> {
+        let slot = self.pattern.diagonal(row);
+        let group = &self.diagonal[slot / ROWS];
+        if self.interleaved { group.interleaved_block(slot % ROWS) } else { group.block(slot % ROWS) }
+    }
+
+    /// Changes the block of a row on the diagonal. Not of an interleaved matrix.
+    pub fn set_diagonal(&mut self, row: usize, block: M3<T>) {
+        debug_assert!(!self.interleaved);
+        let slot = self.pattern.diagonal(row);
+        self.diagonal[slot / ROWS].set_block(slot % ROWS, block);
+    }
+
+    /// Columns and blocks of a row left of the diagonal. Not of an interleaved matrix.
+    pub fn lower_row(&self, row: usize) -> impl Iterator<Item = (u32, M3<T>)> {
+        self.pattern.row(row).map(|slot| (self.pattern.column(slot), self.block(slot)))
+    }
+
+    /// A group of blocks below the diagonal.
+    #[inline(always)]
+    pub(crate) fn group(&self, group: usize) -> &Group<T> {
+        &self.lower[group]
+    }
+
+    /// Brings the entries of each group side by side, if they are not yet.
+    pub fn interleave(&mut self) {
+        if !self.interleaved {
+            let groups = (BySlice(&mut self.diagonal), ByGroup(&mut self.lower));
+            for_parts(self.pattern.parts(), groups, &|_: &Part, (BySlice(diagonal), ByGroup(lower))| {
+                dispatch(Interleave { groups: diagonal });
+                dispatch(Interleave { groups: lower });
+            });
+            self.interleaved = true;
+        }
     }
 
     /// `y = A x`; returns xᵀ A x.
+    ///
+    /// # Panics
+    /// If the matrix is not interleaved.
     pub fn multiply(&self, x: &[Padded<T>], y: &mut [Padded<T>]) -> f64 {
-        for_parts(self.pattern.parts(), y, &|part: &Part, y| dispatch(Multiply { a: self, part, x, y }))
+        assert!(self.interleaved, "the matrix is still being filled");
+        for_parts(self.pattern.parts(), y, &|part: &Part, y| T::dispatch(Multiply { a: self, part, x, y }))
+    }
+}
+
+struct Interleave<'a, T> {
+    groups: &'a mut [Group<T>],
+}
+
+impl<T: Scalar> Kernel for Interleave<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for group in self.groups {
+            group.interleave();
+        }
     }
 }
 
@@ -53,36 +134,39 @@ struct Multiply<'a, T: Scalar> {
     y: &'a mut [Padded<T>],
 }
 
-impl<T: Scalar> Kernel for Multiply<'_, T> {
+impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Oct<T>>(self, s: S) -> f64 {
         let Self { a, part, x, y } = self;
         let (pattern, first) = (&*a.pattern, part.rows.start);
-        let columns = pattern.columns();
-        for row in part.rows.clone() {
-            let own = x[row];
-            let (crossing, inner) = pattern.row_in_parts(row);
-            let mut sums = RowSums::zero();
-            sums.add(&a.diagonal[row], own);
-            for (block, &column) in a.lower[crossing.clone()].iter().zip(&columns[crossing]) {
-                sums.add(block, x[column as usize]);
+        let two = s.splat(T::splat(2.0));
+        let mut product = slice::Sum::zero();
+        let slices = part.slices.clone();
+        for (slice, diagonal) in pattern.slices()[slices.clone()].iter().zip(&a.diagonal[slices]) {
+            let own = slice::load(s, slice, 0, x);
+            let zero = [s.splat(T::zero()); 3];
+            let diagonal = diagonal.mul_add(s, own, zero);
+            let mut lower = zero;
+            for group in slice.crossing as usize..slice.end as usize {
+                let right = slice::gather(s, pattern.columns(group), 0, x);
+                lower = a.group(group).mul_add(s, right, lower);
             }
-            for (block, &column) in a.lower[inner.clone()].iter().zip(&columns[inner]) {
-                sums.add(block, x[column as usize]);
-                y[column as usize - first] += block.transposed_times(own);
+            // xᵀ A x = xᵀ (D + 2 L) x.
+            let ([l0, l1, l2], [d0, d1, d2]) = (lower, diagonal);
+            let both = [s.mul_add(two, l0, d0), s.mul_add(two, l1, d1), s.mul_add(two, l2, d2)];
+            product.add(s, own, both);
+            slice::store(s, slice, first, [s.add(l0, d0), s.add(l1, d1), s.add(l2, d2)], y);
+            for group in slice.inner as usize..slice.end as usize {
+                let below = a.group(group).transposed_mul(s, own);
+                slice::scatter_add(s, pattern.columns(group), first, below, y);
             }
-            y[row - first] = sums.total();
         }
         for crossing in &pattern.incoming()[part.incoming.clone()] {
-            let block = &a.lower[crossing.slot as usize];
-            y[crossing.column as usize - first] += block.transposed_times(x[crossing.row as usize]);
-        }
-        let mut product = DotSum::zero();
-        for (y, &x) in y.iter_mut().zip(&x[part.rows.clone()]) {
-            *y = y.truncated();
-            product.add(x, *y);
+            let slot = crossing.slot as usize;
+            let block = a.group(slot / ROWS).interleaved_block(slot % ROWS);
+            y[crossing.column as usize - first] += block.transposed_times(x[crossing.row as usize]).truncated();
         }
         product.total()
     }

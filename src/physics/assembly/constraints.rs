@@ -27,7 +27,7 @@ impl Constraints {
                 self.rows.push(row as u32);
             }
             for slot in pattern.row(row) {
-                let column = pattern.columns()[slot];
+                let column = pattern.column(slot);
                 if pinned[row] || pinned[column as usize] {
                     self.couplings.push(Crossing { column, row: row as u32, slot: slot as u32 });
                 }
@@ -41,7 +41,8 @@ impl Constraints {
     pub fn apply<T: Scalar>(&self, a: &mut BlockCsr<T>, b: &mut [Padded<T>], prescribed: impl Fn(usize) -> Padded<T>) {
         for &Crossing { column, row, slot } in &self.couplings {
             let (row, column) = (row as usize, column as usize);
-            let block = core::mem::replace(&mut a.lower[slot as usize], M3::zero());
+            let block = a.block(slot as usize);
+            a.set_block(slot as usize, M3::zero());
             if !self.pinned[row] {
                 b[row] -= block.times(prescribed(column));
             } else if !self.pinned[column] {
@@ -50,7 +51,7 @@ impl Constraints {
         }
         for row in self.rows.iter().map(|&row| row as usize) {
             a.fixed[row] = true;
-            a.diagonal[row] = M3::scaled_identity(T::splat(1.0));
+            a.set_diagonal(row, M3::scaled_identity(T::splat(1.0)));
             b[row] = prescribed(row);
         }
     }

@@ -21,9 +21,9 @@ pub(super) struct Hinges<L> {
 }
 
 impl<L: Real> Hinges<L> {
-    pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], pattern: &BlockPattern) -> Self {
+    pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], rank: &[u32], pattern: &BlockPattern) -> Self {
         let vertices: Vec<_> = shape.hinges.iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
-        let (batches, sources) = Batches::new(&vertices, L::LANES, pattern);
+        let (batches, sources) = Batches::new(&vertices, L::LANES, pattern, rank);
         let ascending = sources.iter().map(|&source| {
             let mut order = [0, 1, 2, 3];
             if source != FILLER {
@@ -95,10 +95,9 @@ impl<L: Real> Elements for Hinges<L> {
             }
             let mut slot = slots[lane].iter();
             for i in 0..4 {
-                out.add_diagonal(sorted[i], spread[i].outer(&spread[i]));
                 for j in 0..i {
                     if let Some(&slot) = slot.next() {
-                        out.add_lower(slot, spread[i].outer(&spread[j]));
+                        out.add(slot as usize, spread[i].outer(&spread[j]));
                     }
                 }
             }

@@ -1,26 +1,32 @@
 //! From elements to the linear system of an implicit step, A d = b.
 //!
-//! [`pattern`] finds which 3×3 blocks of A exist, once per mesh; [`block_csr`] holds their values; `triangles` and `hinges`
-//! run the energies over batches of elements and add into precomputed slots; [`System`] puts A and b together;
-//! [`Constraints`] take the pinned vertices out.
+//! [`Ordering`] numbers the vertices; [`pattern`] finds which 3×3 blocks of A exist, and where each is stored; [`block_csr`]
+//! holds their values, in [`group`]s of eight rows; `triangles` and `hinges` run the energies over batches of elements and
+//! add into precomputed slots; [`System`] puts A and b together; [`Constraints`] take the pinned vertices out.
 //!
 //! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`.
 
 mod batch;
 pub mod block_csr;
+mod colouring;
 mod constraints;
+pub mod group;
 mod hinges;
 mod implicit_step;
 mod ordering;
 pub mod parts;
 pub mod pattern;
+mod row_sums;
+pub(crate) mod slice;
 mod system;
 mod triangles;
 
 pub use block_csr::BlockCsr;
+pub(crate) use colouring::colour;
 pub use constraints::{Constraints, constrain};
+pub use group::Group;
 pub use implicit_step::{ImplicitStep, Projection};
 pub use ordering::Ordering;
 pub use parts::Part;
-pub use pattern::BlockPattern;
+pub use pattern::{BlockPattern, Slicing};
 pub use system::{ElasticEnergy, System};

@@ -12,8 +12,10 @@ pub struct Part {
     pub index: usize,
     /// Its rows.
     pub rows: Range<usize>,
-    /// Slots of the blocks of these rows.
-    pub slots: Range<usize>,
+    /// The slices of these rows.
+    pub slices: Range<usize>,
+    /// The groups of blocks of these slices.
+    pub groups: Range<usize>,
     /// Which of [`BlockPattern::incoming`](super::BlockPattern::incoming) concern its rows.
     pub incoming: Range<usize>,
 }
@@ -25,8 +27,10 @@ pub struct Cut {
     pub parts: usize,
     /// Rows in them.
     pub rows: usize,
-    /// Slots in them.
-    pub slots: usize,
+    /// Slices in them.
+    pub slices: usize,
+    /// Groups in them.
+    pub groups: usize,
 }
 
 /// What can be cut where a part ends.
@@ -50,28 +54,31 @@ impl<T: Send> Split for &mut [T] {
     }
 }
 
-/// One entry per slot.
-#[derive(Debug)]
-pub struct BySlot<'a, T>(pub &'a mut [T]);
+macro_rules! split_by {
+    ($(#[$doc:meta] $name:ident, $count:ident;)+) => {
+        $(
+            #[$doc]
+            #[derive(Debug)]
+            pub struct $name<'a, T>(pub &'a mut [T]);
 
-impl<T: Send> Split for BySlot<'_, T> {
-    #[inline]
-    fn split(self, cut: Cut) -> (Self, Self) {
-        let (a, b) = self.0.split_at_mut(cut.slots);
-        (Self(a), Self(b))
-    }
+            impl<T: Send> Split for $name<'_, T> {
+                #[inline]
+                fn split(self, cut: Cut) -> (Self, Self) {
+                    let (a, b) = self.0.split_at_mut(cut.$count);
+                    (Self(a), Self(b))
+                }
+            }
+        )+
+    };
 }
 
-/// One entry per part.
-#[derive(Debug)]
-pub struct ByPart<'a, T>(pub &'a mut [T]);
-
-impl<T: Send> Split for ByPart<'_, T> {
-    #[inline]
-    fn split(self, cut: Cut) -> (Self, Self) {
-        let (a, b) = self.0.split_at_mut(cut.parts);
-        (Self(a), Self(b))
-    }
+split_by! {
+    /// One entry per group.
+    ByGroup, groups;
+    /// One entry per slice.
+    BySlice, slices;
+    /// One entry per part.
+    ByPart, parts;
 }
 
 macro_rules! split_tuple {
@@ -133,7 +140,8 @@ pub fn for_parts<S: Split, R: Merge>(parts: &[Part], data: S, work: &(impl Fn(&P
     let (first, second) = data.split(Cut {
         parts: before.len(),
         rows: after[0].rows.start - before[0].rows.start,
-        slots: after[0].slots.start - before[0].slots.start,
+        slices: after[0].slices.start - before[0].slices.start,
+        groups: after[0].groups.start - before[0].groups.start,
     });
     let (a, b) = join(|| for_parts(before, first, work), || for_parts(after, second, work));
     a.merge(b)
@@ -166,16 +174,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_part_gets_its_own_rows_and_slots() {
-        let part = |index, rows: Range<usize>, slots| Part { index, rows, slots, incoming: 0..0 };
-        let parts = [part(0, 0..2, 0..1), part(1, 2..5, 1..4), part(2, 5..6, 4..4)];
-        let (mut rows, mut slots) = ([0; 6], [0; 4]);
-        let sum = for_parts(&parts, (&mut rows[..], BySlot(&mut slots[..])), &|part: &Part, (rows, slots)| {
-            assert_eq!((rows.len(), slots.0.len()), (part.rows.len(), part.slots.len()));
-            rows.fill(part.rows.start);
-            slots.0.fill(part.rows.start);
+    fn each_part_gets_its_own_rows_slices_and_groups() {
+        let part = |index, rows, slices, groups| Part { index, rows, slices, groups, incoming: 0..0 };
+        let parts = [part(0, 0..2, 0..1, 0..1), part(1, 2..5, 1..3, 1..4), part(2, 5..6, 3..4, 4..4)];
+        let (mut rows, mut slices, mut groups) = ([0; 6], [0; 4], [0; 4]);
+        let data = (&mut rows[..], BySlice(&mut slices[..]), ByGroup(&mut groups[..]));
+        let sum = for_parts(&parts, data, &|part: &Part, (rows, BySlice(slices), ByGroup(groups))| {
+            let lengths = (part.rows.len(), part.slices.len(), part.groups.len());
+            assert_eq!((rows.len(), slices.len(), groups.len()), lengths);
+            for piece in [&mut *rows, slices, groups] {
+                piece.fill(part.index);
+            }
             rows.len() as f64
         });
-        assert_eq!((rows, slots, sum), ([0, 0, 2, 2, 2, 5], [0, 2, 2, 2], 6.0));
+        assert_eq!((rows, slices, groups, sum), ([0, 0, 1, 1, 1, 2], [0, 1, 1, 2], [0, 1, 1, 1], 6.0));
     }
 }

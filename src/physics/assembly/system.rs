@@ -7,12 +7,14 @@ use bevy::math::DVec3;
 use super::batch::{self, Output};
 use super::hinges::Hinges;
 use super::implicit_step::{ImplicitStep, Linearisation};
-use super::parts::{BySlot, Part, for_parts};
+use super::ordering::along;
+use super::parts::{ByGroup, BySlice, Part, for_parts};
+use super::row_sums::SubtractRows;
 use super::triangles::Triangles;
-use super::{BlockCsr, BlockPattern, Ordering};
+use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Padded, Real, Scalar};
+use crate::physics::math::{M3, Padded, ROWS, Real, Scalar, dispatch};
 use crate::physics::mesh::RestShape;
 
 /// Elastic energy by term, J.
@@ -49,16 +51,21 @@ impl<L: Real> System<L> {
         let inner = &ordering.inner;
         let triangles: Vec<_> = shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect();
         let hinges: Vec<_> = shape.hinges.iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
+        let mut rank = vec![0; shape.vertex_count()];
+        for (place, vertex) in along(&shape.positions).into_iter().enumerate() {
+            rank[inner[vertex as usize] as usize] = place as u32;
+        }
         let pattern = BlockPattern::new(
             shape.vertex_count(),
             &ordering.part_starts,
+            Slicing::Independent,
             triangles.iter().map(|vertices| &vertices[..]),
             hinges.iter().map(|vertices| &vertices[..]),
         );
         let zeros = vec![Padded::zero(); shape.vertex_count()];
         Self {
-            triangles: Triangles::new(shape, fabric, inner, &pattern),
-            hinges: Hinges::new(shape, fabric, inner, &pattern),
+            triangles: Triangles::new(shape, fabric, inner, &rank, &pattern),
+            hinges: Hinges::new(shape, fabric, inner, &rank, &pattern),
             moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
@@ -93,21 +100,30 @@ impl<L: Real> System<L> {
             });
         }
         let linearisation = Linearisation::new(step, moved);
-        matrix.fixed.fill(false);
-        let rows = (&mut matrix.diagonal[..], BySlot(&mut matrix.lower), &mut rhs[..]);
-        for_parts(pattern.parts(), rows, &|part: &Part, (diagonal, BySlot(lower), rhs)| {
-            diagonal.fill(M3::zero());
-            lower.fill(M3::zero());
-            // Forces first, then b.
-            rhs.fill(Padded::zero());
-            let mut out = Output::new(part, diagonal, lower, rhs);
-            batch::assemble(&*triangles, &linearisation, &mut out);
-            batch::assemble(&*hinges, &linearisation, &mut out);
-            for (i, vertex) in part.rows.clone().enumerate() {
-                let (inertia, b) = inertia(step, vertex, masses[vertex], DVec3::from(rhs[i].to_f64()));
-                diagonal[i] = diagonal[i].add_diagonal(L::Scalar::from_f64(inertia));
-                rhs[i] = Padded::from_f64(b.to_array());
-            }
+        let (diagonal, lower) = matrix.clear();
+        for_parts(
+            pattern.parts(),
+            (diagonal, lower, &mut rhs[..]),
+            &|part: &Part, (BySlice(diagonal), ByGroup(lower), rhs)| {
+                diagonal.fill(Group::zero());
+                lower.fill(Group::zero());
+                // Forces first, then b.
+                rhs.fill(Padded::zero());
+                let mut out = Output::new(part, lower, rhs);
+                batch::assemble(&*triangles, &linearisation, &mut out);
+                batch::assemble(&*hinges, &linearisation, &mut out);
+                for (rhs, vertex) in rhs.iter_mut().zip(part.rows.clone()) {
+                    let (inertia, b) = inertia(step, vertex, masses[vertex], DVec3::from(rhs.to_f64()));
+                    let slot = pattern.diagonal(vertex);
+                    let inertia = M3::scaled_identity(L::Scalar::from_f64(inertia));
+                    diagonal[slot / ROWS - part.slices.start].set_block(slot % ROWS, inertia);
+                    *rhs = Padded::from_f64(b.to_array());
+                }
+            },
+        );
+        let (diagonal, lower) = matrix.diagonal_and_lower();
+        for_parts(pattern.parts(), diagonal, &|part: &Part, BySlice(diagonal)| {
+            dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
         });
     }
 }

@@ -29,10 +29,10 @@ pub(super) struct Triangles<L> {
 }
 
 impl<L: Real> Triangles<L> {
-    pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], pattern: &BlockPattern) -> Self {
+    pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], rank: &[u32], pattern: &BlockPattern) -> Self {
         let sorted: Vec<Triangle> = shape.triangles.iter().map(|t| ascending(t, inner)).collect();
         let vertices: Vec<_> = sorted.iter().map(|t| t.vertices).collect();
-        let (batches, sources) = Batches::new(&vertices, L::LANES, pattern);
+        let (batches, sources) = Batches::new(&vertices, L::LANES, pattern, rank);
         let column = |r: usize, c: usize| pack::<L>(&sources, 0.0, |i| sorted[i].dm_inverse[r][c]);
         let dm = [[column(0, 0), column(0, 1)], [column(1, 0), column(1, 1)]];
         // A filler has no area, so no energy, force or Hessian.
@@ -111,21 +111,12 @@ impl<L: Real> Elements for Triangles<L> {
                 out.add_force(vertices[i], Padded(quad));
             }
         }
-        let blocks = membrane::hessian(rest, k, &projected, &w, material, geometric).blocks();
-        let mut pair = 0;
-        for (i, row) in blocks.iter().enumerate() {
-            for (j, block) in row[..=i].iter().enumerate() {
-                let [[a, b, c], [d, e, f], [g, h, last]] = block.0;
-                let (first, second) = (L::quads([a, b, c, d]), L::quads([e, f, g, h]));
-                for lane in 0..L::LANES {
-                    let block = Flat(first.as_ref()[lane], second.as_ref()[lane], last.lane(lane));
-                    if i == j {
-                        out.add_diagonal(vertices[lane][i], block);
-                    } else {
-                        out.add_lower(slots[lane][pair], block);
-                    }
-                }
-                pair += usize::from(i != j);
+        let hessian = membrane::hessian(rest, k, &projected, &w, material, geometric);
+        for (pair, block) in hessian.lower_blocks().into_iter().enumerate() {
+            let [[a, b, c], [d, e, f], [g, h, last]] = block.0;
+            let (first, second) = (L::quads([a, b, c, d]), L::quads([e, f, g, h]));
+            for (lane, slots) in slots.iter().enumerate() {
+                out.add(slots[pair] as usize, Flat(first.as_ref()[lane], second.as_ref()[lane], last.lane(lane)));
             }
         }
     }

@@ -183,7 +183,7 @@ impl<L: Real> Implicit<L> {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
         }
-        let solved = solver.solve(&system.matrix, &system.rhs, solution, target)?;
+        let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;
         report.iterations += solved.iterations;
         report.preconditioner += solved.preparation;
         let (d, drift) = (&solution[..], implicit.drift);
@@ -200,6 +200,7 @@ impl<L: Real> Implicit<L> {
         }
         if !any_held {
             residual.resize(solution.len(), Padded::zero());
+            system.matrix.interleave();
             system.matrix.multiply(solution, residual);
             let rest = |vertex: usize| DVec3::from((system.rhs[vertex] - residual[vertex]).to_f64());
             rigid::correct(moves, rest, point, step.masses);

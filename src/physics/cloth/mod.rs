@@ -136,7 +136,7 @@ impl Cloth {
     pub fn new(shape: RestShape, fabric: Fabric, settings: SolverSettings) -> Result<Self, MaterialError> {
         fabric.validate()?;
         let count = shape.vertex_count();
-        let ordering = Ordering::new(&shape.positions);
+        let ordering = Ordering::new(&shape);
         let shown = State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] };
         let masses = masses(&shape, &fabric);
         Ok(Self {

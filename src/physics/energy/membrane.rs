@@ -204,13 +204,17 @@ impl<T: Real> Weighted<T> {
 }
 
 impl<T: Real> Hessian<T> {
-    /// All nine blocks.
+    /// The blocks (1, 0), (2, 0) and (2, 1).
     #[inline(always)]
+    pub fn lower_blocks(&self) -> [M3<T>; 3] {
+        let h21 = self.h12.transpose();
+        [-(self.h11 + self.h12), -(h21 + self.h22), h21]
+    }
+
+    /// All nine blocks.
     pub fn blocks(&self) -> [[M3<T>; 3]; 3] {
-        let (h11, h22, h12) = (self.h11, self.h22, self.h12);
-        let h21 = h12.transpose();
-        let (h10, h20) = (-(h11 + h12), -(h21 + h22));
+        let [h10, h20, h21] = self.lower_blocks();
         let h00 = -(h10 + h20);
-        [[h00, h10.transpose(), h20.transpose()], [h10, h11, h12], [h20, h21, h22]]
+        [[h00, h10.transpose(), h20.transpose()], [h10, self.h11, self.h12], [h20, h21, self.h22]]
     }
 }

@@ -6,6 +6,7 @@
 
 mod lanes;
 mod matrix;
+mod oct;
 mod quad;
 mod real;
 mod simd;
@@ -13,6 +14,7 @@ mod vector;
 
 pub use lanes::Lanes;
 pub use matrix::M3;
+pub use oct::{Oct, ROWS, RowKernel};
 pub use quad::{DotSum, Flat, Padded, Quad, RowSums, Spread};
 pub use real::{Real, Scalar};
 pub(crate) use simd::{Kernel, dispatch};

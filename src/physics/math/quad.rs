@@ -19,6 +19,8 @@ pub trait Quad<T>:
     fn lanes(self) -> [T; 4];
     /// In double precision.
     fn widen(self) -> f64x4;
+    /// The first lanes of four, the second ones, and so on.
+    fn transpose(four: [Self; 4]) -> [Self; 4];
 }
 
 macro_rules! impl_quad {
@@ -36,6 +38,10 @@ macro_rules! impl_quad {
             fn widen(self) -> f64x4 {
                 let [a, b, c, d] = self.to_array();
                 f64x4::new([a.into(), b.into(), c.into(), d.into()])
+            }
+            #[inline(always)]
+            fn transpose(four: [Self; 4]) -> [Self; 4] {
+                <$quad>::transpose(four)
             }
         }
     };
@@ -247,6 +253,12 @@ impl<T: Scalar> M3<T> {
 pub struct Flat<T: Scalar>(pub T::Quad, pub T::Quad, pub T);
 
 impl<T: Scalar> Flat<T> {
+    /// The zero block.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        M3::zero().flat()
+    }
+
     /// The transpose.
     #[inline(always)]
     pub fn transpose(self) -> Self {
@@ -260,6 +272,22 @@ impl<T: Scalar> Add for Flat<T> {
     #[inline(always)]
     fn add(self, o: Self) -> Self {
         Self(self.0 + o.0, self.1 + o.1, self.2 + o.2)
+    }
+}
+
+impl<T: Scalar> Sub for Flat<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self(self.0 - o.0, self.1 - o.1, self.2 - o.2)
+    }
+}
+
+impl<T: Scalar> Neg for Flat<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::zero() - self
     }
 }
 

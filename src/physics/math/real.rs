@@ -6,6 +6,7 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use wide::{f32x4, f64x4};
 
 use super::Quad;
+use super::oct::{RowKernel, dispatch_f32, dispatch_f64};
 
 /// A real number, or several side by side (one per element of a batch).
 ///
@@ -78,10 +79,12 @@ pub trait Scalar: Real<Scalar = Self> + PartialOrd {
     fn from_f64(value: f64) -> Self;
     /// Widens to f64.
     fn to_f64(self) -> f64;
+    /// Runs a kernel in its version for this machine.
+    fn dispatch<K: RowKernel<Self>>(kernel: K) -> K::Output;
 }
 
 macro_rules! impl_scalar {
-    ($t:ty, $quad:ty) => {
+    ($t:ty, $quad:ty, $dispatch:path) => {
         impl Real for $t {
             type Scalar = $t;
             type Quads = [$quad; 1];
@@ -140,9 +143,12 @@ macro_rules! impl_scalar {
             fn to_f64(self) -> f64 {
                 self as f64
             }
+            fn dispatch<K: RowKernel<Self>>(kernel: K) -> K::Output {
+                $dispatch(kernel)
+            }
         }
     };
 }
 
-impl_scalar!(f32, f32x4);
-impl_scalar!(f64, f64x4);
+impl_scalar!(f32, f32x4, dispatch_f32);
+impl_scalar!(f64, f64x4, dispatch_f64);

@@ -21,7 +21,7 @@ use crate::physics::math::{Padded, Scalar};
 pub struct Cholesky {
     lower: SymbolicSparseColMat<u32>,
     /// Where each entry of the lower triangle comes from: block · 9 + row · 3 + column within the block, blocks being those
-    /// of the diagonal and then the others.
+    /// of the diagonal, by row, and then the others, by slot.
     sources: Vec<u32>,
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
@@ -62,7 +62,7 @@ impl Cholesky {
 impl<T: Scalar> LinearSolver<T> for Cholesky {
     fn solve(
         &mut self,
-        a: &BlockCsr<T>,
+        a: &mut BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         _: Target,
@@ -70,7 +70,7 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
         let start = Instant::now();
         for (value, &source) in self.values.iter_mut().zip(&self.sources) {
             let (block, row, column) = (source as usize / 9, source as usize / 3 % 3, source as usize % 3);
-            let block = if block < a.diagonal.len() { &a.diagonal[block] } else { &a.lower[block - a.diagonal.len()] };
+            let block = if block < b.len() { a.diagonal(block) } else { a.block(block - b.len()) };
             *value = block.0[row][column].to_f64();
         }
         for (entries, b) in self.solution.chunks_exact_mut(3).zip(b) {
@@ -106,13 +106,13 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
     }
 }
 
-/// The scalar pattern of the lower triangle by columns, and the block entry behind each of its entries.
+/// The scalar pattern of the lower triangle by columns, and the entry of a block behind each of its entries.
 fn scalar_lower_triangle(pattern: &BlockPattern) -> (SymbolicSparseColMat<u32>, Vec<u32>) {
     // The blocks below the diagonal by column.
     let mut below: Vec<Vec<[usize; 2]>> = vec![Vec::new(); pattern.row_count()];
     for row in 0..pattern.row_count() {
         for slot in pattern.row(row) {
-            below[pattern.columns()[slot] as usize].push([row, pattern.row_count() + slot]);
+            below[pattern.column(slot) as usize].push([row, pattern.row_count() + slot]);
         }
     }
     let size = 3 * pattern.row_count();

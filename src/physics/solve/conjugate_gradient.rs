@@ -37,7 +37,7 @@ impl<T: Scalar, P: Preconditioner<T>> ConjugateGradient<T, P> {
 impl<T: Scalar, P: Preconditioner<T>> LinearSolver<T> for ConjugateGradient<T, P> {
     fn solve(
         &mut self,
-        a: &BlockCsr<T>,
+        a: &mut BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         target: Target,
@@ -46,7 +46,9 @@ impl<T: Scalar, P: Preconditioner<T>> LinearSolver<T> for ConjugateGradient<T, P
         let mut vectors = Vectors { r: residual, z: preconditioned, p: direction, ap: product };
         let start = Instant::now();
         preconditioner.update(a);
+        a.interleave();
         let preparation = start.elapsed();
+        let a = &*a;
         let solved = match vectors.iterate(a, b, d, target, preconditioner, *max_iterations) {
             Err(Breakdown::Preconditioner { iterations }) => {
                 let mut jacobi = BlockJacobi::new(b.len());

@@ -4,82 +4,125 @@
 //! (block Jacobi over parts, Gauss–Seidel within). A part of the norms of its blocks comes on top of the diagonal, R, so that
 //! the sweeps still reduce the error (Baker, Falgout, Kolev & Yang 2011, section 4.1): half of them would do whatever C is, a
 //! quarter does if D is no less than half of C, and costs fewer iterations.
+//!
+//! The rows of a slice are not coupled, so a sweep takes them at once.
 
 use super::preconditioner::invert;
-use crate::physics::assembly::parts::{Part, for_parts};
+use crate::physics::assembly::parts::{BySlice, Part, for_parts};
+use crate::physics::assembly::slice::{self, Slice, Sum};
 use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{DotSum, Kernel, M3, Padded, RowSums, Scalar, dispatch};
+use crate::physics::math::{M3, Oct, Padded, ROWS, RowKernel, Scalar};
 
 /// Forward and backward sweeps. A forward sweep from zero, any symmetric positive semidefinite correction, and a
 /// backward sweep are a symmetric preconditioner.
 #[derive(Clone, Debug)]
 pub(super) struct GaussSeidel<T: Scalar> {
-    /// (D + R)⁻¹.
-    inverses: Vec<M3<T>>,
-    /// R, a multiple of the identity for each row.
-    raised: Vec<T>,
+    pivots: Vec<Pivots<T>>,
     /// A residual, or sums for rows not reached yet.
     sums: Vec<Padded<T>>,
 }
 
-impl<T: Scalar> GaussSeidel<T> {
-    /// For matrices of a pattern.
-    pub fn new(pattern: &BlockPattern) -> Self {
-        let rows = pattern.row_count();
-        Self { inverses: vec![M3::zero(); rows], raised: vec![T::zero(); rows], sums: vec![Padded::zero(); rows] }
+/// What the rows of a slice are divided by.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+struct Pivots<T> {
+    /// (D + R)⁻¹, which is symmetric: entries 00, 01, 02, 11, 12, 22. Zero beyond the last row.
+    inverse: [[T; ROWS]; 6],
+    /// R, a multiple of the identity for each row.
+    raised: [T; ROWS],
+}
+
+impl<T: Scalar> Pivots<T> {
+    fn zero() -> Self {
+        Self { inverse: [[T::zero(); ROWS]; 6], raised: [T::zero(); ROWS] }
     }
 
-    /// Adapts to a new matrix.
+    #[inline(always)]
+    fn divide<S: Oct<T>>(&self, s: S, [x, y, z]: [S::V; 3]) -> [S::V; 3] {
+        let [a, b, c, d, e, f] = &self.inverse;
+        let (a, b, c, d, e, f) = (s.load(a), s.load(b), s.load(c), s.load(d), s.load(e), s.load(f));
+        [
+            s.mul_add(c, z, s.mul_add(b, y, s.mul(a, x))),
+            s.mul_add(e, z, s.mul_add(d, y, s.mul(b, x))),
+            s.mul_add(f, z, s.mul_add(e, y, s.mul(c, x))),
+        ]
+    }
+}
+
+impl<T: Scalar> GaussSeidel<T> {
+    /// For matrices of a pattern, of which the rows of a slice are independent.
+    pub fn new(pattern: &BlockPattern) -> Self {
+        Self { pivots: vec![Pivots::zero(); pattern.slices().len()], sums: vec![Padded::zero(); pattern.row_count()] }
+    }
+
+    /// Adapts to a new matrix, not yet interleaved.
     pub fn update(&mut self, a: &BlockCsr<T>) {
-        let Self { inverses, raised, .. } = self;
-        for_parts(a.pattern().parts(), (&mut inverses[..], &mut raised[..]), &|part: &Part, (diagonal, raised)| {
-            diagonal.copy_from_slice(&a.diagonal[part.rows.clone()]);
-            if a.pattern().parts().len() > 1 {
-                coupling_across(a, part, raised);
-                for (diagonal, raised) in diagonal.iter_mut().zip(raised) {
-                    *diagonal = diagonal.add_diagonal(*raised);
+        let pattern = &**a.pattern();
+        for_parts(pattern.parts(), BySlice(&mut self.pivots), &|part: &Part, BySlice(pivots)| {
+            for (pivots, slice) in pivots.iter_mut().zip(&pattern.slices()[part.slices.clone()]) {
+                let mut blocks = [M3::zero(); ROWS];
+                let blocks = &mut blocks[..slice.rows as usize];
+                for (lane, block) in blocks.iter_mut().enumerate() {
+                    let row = slice.first_row as usize + lane;
+                    *block = a.diagonal(row);
+                    if pattern.parts().len() > 1 {
+                        pivots.raised[lane] = coupling_across(a, part, row);
+                        *block = block.add_diagonal(pivots.raised[lane]);
+                    }
+                }
+                invert(blocks);
+                for (lane, block) in blocks.iter().enumerate() {
+                    let [[a, b, c], [_, d, e], [_, _, f]] = block.0;
+                    for (entry, value) in pivots.inverse.iter_mut().zip([a, b, c, d, e, f]) {
+                        entry[lane] = value;
+                    }
                 }
             }
-            invert(diagonal);
         });
     }
 
     /// Solves `(D + R + L) z = r`, a forward sweep from zero, and returns the residual that it leaves,
     /// `r − A z = (R − Lᵀ − C) z`.
     pub fn forward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> &[Padded<T>] {
-        let Self { inverses, raised, sums } = self;
+        let Self { pivots, sums } = self;
         let parts = a.pattern().parts();
-        for_parts(parts, &mut *z, &|part: &Part, z| dispatch(Forward { a, inverses, part, r, z }));
+        for_parts(parts, (&mut *z, &mut sums[..]), &|part: &Part, (z, rest)| {
+            T::dispatch(Forward { a, pivots, part, r, z, rest });
+        });
         let z = &*z;
-        for_parts(parts, &mut sums[..], &|part: &Part, out| dispatch(Rest { a, raised, part, z, out, inner: true }));
+        if parts.len() > 1 {
+            for_parts(parts, &mut sums[..], &|part: &Part, out| T::dispatch(Across { a, pivots, part, z, out }));
+        }
         sums
     }
 
     /// Solves `(D + R + Lᵀ) z' = r + (R − L − C) z`, a backward sweep from z; returns rᵀ z'.
     pub fn backward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
-        let Self { inverses, raised, sums } = self;
+        let Self { pivots, sums } = self;
         let (parts, old) = (a.pattern().parts(), &*z);
-        for_parts(parts, &mut sums[..], &|part: &Part, out| {
-            dispatch(Rest { a, raised, part, z: old, out, inner: false });
-        });
+        sums.fill(Padded::zero());
+        if parts.len() > 1 {
+            for_parts(parts, &mut sums[..], &|part: &Part, out| T::dispatch(Across { a, pivots, part, z: old, out }));
+        }
         for_parts(parts, (z, &mut sums[..]), &|part: &Part, (z, sums)| {
-            dispatch(Backward { a, inverses, part, r, z, sums })
+            T::dispatch(Backward { a, pivots, part, r, z, sums })
         })
     }
 }
 
-/// A quarter of the norms of the blocks by which the rows of a part are coupled with others.
-fn coupling_across<T: Scalar>(a: &BlockCsr<T>, part: &Part, sums: &mut [T]) {
-    let (pattern, first, share) = (a.pattern(), part.rows.start, T::splat(0.25));
-    for (sum, row) in sums.iter_mut().zip(part.rows.clone()) {
-        *sum = T::zero();
-        for slot in pattern.row_in_parts(row).0 {
-            *sum += share * norm(&a.lower[slot]);
-        }
+/// A quarter of the norms of the blocks by which a row of a part is coupled with others.
+fn coupling_across<T: Scalar>(a: &BlockCsr<T>, part: &Part, row: usize) -> T {
+    let (pattern, share) = (a.pattern(), T::splat(0.25));
+    let mut sum = T::zero();
+    for slot in pattern.row(row).take_while(|&slot| (pattern.column(slot) as usize) < part.rows.start) {
+        sum += share * norm(&a.block(slot));
     }
-    for crossing in &pattern.incoming()[part.incoming.clone()] {
-        sums[crossing.column as usize - first] += share * norm(&a.lower[crossing.slot as usize]);
+    let incoming = &pattern.incoming()[part.incoming.clone()];
+    let first = incoming.partition_point(|crossing| (crossing.column as usize) < row);
+    for crossing in incoming[first..].iter().take_while(|crossing| crossing.column as usize == row) {
+        sum += share * norm(&a.block(crossing.slot as usize));
     }
+    sum
 }
 
 /// Frobenius norm.
@@ -90,121 +133,129 @@ fn norm<T: Scalar>(block: &M3<T>) -> T {
 
 struct Forward<'a, T: Scalar> {
     a: &'a BlockCsr<T>,
-    inverses: &'a [M3<T>],
+    pivots: &'a [Pivots<T>],
     part: &'a Part,
     r: &'a [Padded<T>],
     z: &'a mut [Padded<T>],
+    /// −Lᵀ z.
+    rest: &'a mut [Padded<T>],
 }
 
-impl<T: Scalar> Kernel for Forward<'_, T> {
+impl<T: Scalar> RowKernel<T> for Forward<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Self { a, inverses, part, r, z } = self;
-        for row in part.rows.clone() {
-            z[row - part.rows.start] = solve_diagonal(&inverses[row], left(a, part, row, r, z));
+    fn run<S: Oct<T>>(self, s: S) {
+        let Self { a, pivots, part, r, z, rest } = self;
+        let (pattern, first) = (&**a.pattern(), part.rows.start);
+        rest.fill(Padded::zero());
+        let slices = part.slices.clone();
+        for (slice, pivots) in pattern.slices()[slices.clone()].iter().zip(&pivots[slices]) {
+            let sums = left(s, a, first, slice, slice::load(s, slice, 0, r), z);
+            let solved = pivots.divide(s, sums);
+            slice::store(s, slice, first, solved, z);
+            scatter_left(s, a, first, slice, solved, rest);
         }
     }
 }
 
-/// `(R − Lᵀ − C) z`, or without the inner couplings `(R − C) z`.
-struct Rest<'a, T: Scalar> {
+/// Adds `(R − C) z`.
+struct Across<'a, T: Scalar> {
     a: &'a BlockCsr<T>,
-    raised: &'a [T],
+    pivots: &'a [Pivots<T>],
     part: &'a Part,
     z: &'a [Padded<T>],
     out: &'a mut [Padded<T>],
-    inner: bool,
 }
 
-impl<T: Scalar> Kernel for Rest<'_, T> {
+impl<T: Scalar> RowKernel<T> for Across<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Self { a, raised, part, z, out, inner } = self;
-        let (pattern, first) = (a.pattern(), part.rows.start);
-        let columns = pattern.columns();
-        let alone = pattern.parts().len() == 1;
-        if alone && !inner {
-            out.fill(Padded::zero());
-            return;
-        }
-        for row in part.rows.clone() {
-            let (crossing, own) = pattern.row_in_parts(row);
-            let mut sums = RowSums::zero();
-            for (block, &column) in a.lower[crossing.clone()].iter().zip(&columns[crossing]) {
-                sums.add(block, z[column as usize]);
+    fn run<S: Oct<T>>(self, s: S) {
+        let Self { a, pivots, part, z, out } = self;
+        let (pattern, first) = (&**a.pattern(), part.rows.start);
+        let slices = part.slices.clone();
+        for (slice, pivots) in pattern.slices()[slices.clone()].iter().zip(&pivots[slices]) {
+            let (raised, [x, y, w]) = (s.load(&pivots.raised), slice::load(s, slice, 0, z));
+            let [a0, a1, a2] = slice::load(s, slice, first, out);
+            let mut sums = [s.mul_add(raised, x, a0), s.mul_add(raised, y, a1), s.mul_add(raised, w, a2)];
+            for group in slice.crossing as usize..slice.inner as usize {
+                let right = slice::gather(s, pattern.columns(group), 0, z);
+                sums = a.group(group).mul_sub(s, right, sums);
             }
-            out[row - first] = if alone { Padded::zero() } else { z[row] * raised[row] - sums.total() };
-            if inner {
-                let z = -z[row];
-                for (block, &column) in a.lower[own.clone()].iter().zip(&columns[own]) {
-                    out[column as usize - first] += block.transposed_times(z);
-                }
-            }
+            slice::store(s, slice, first, sums, out);
         }
         for crossing in &pattern.incoming()[part.incoming.clone()] {
-            let product = a.lower[crossing.slot as usize].transposed_times(z[crossing.row as usize]);
+            let slot = crossing.slot as usize;
+            let block = a.group(slot / ROWS).interleaved_block(slot % ROWS);
+            let product = block.transposed_times(z[crossing.row as usize]).truncated();
             out[crossing.column as usize - first] -= product;
         }
-        for out in out {
-            *out = out.truncated();
-        }
     }
-}
-
-/// `r − L z` in a row.
-#[inline(always)]
-fn left<T: Scalar>(a: &BlockCsr<T>, part: &Part, row: usize, r: &[Padded<T>], z: &[Padded<T>]) -> Padded<T> {
-    let inner = a.pattern().row_in_parts(row).1;
-    let mut sums = RowSums::zero();
-    for (block, &column) in a.lower[inner.clone()].iter().zip(&a.pattern().columns()[inner]) {
-        sums.add(block, z[column as usize - part.rows.start]);
-    }
-    r[row] - sums.total()
-}
-
-/// The inverse is symmetric, and its transpose multiplies faster.
-#[inline(always)]
-fn solve_diagonal<T: Scalar>(inverse: &M3<T>, x: Padded<T>) -> Padded<T> {
-    inverse.transposed_times(x).truncated()
 }
 
 struct Backward<'a, T: Scalar> {
     a: &'a BlockCsr<T>,
-    inverses: &'a [M3<T>],
+    pivots: &'a [Pivots<T>],
     part: &'a Part,
     r: &'a [Padded<T>],
     z: &'a mut [Padded<T>],
-    /// (R − C) z, to which −Lᵀ z' comes row by row.
+    /// (R − C) z, to which −Lᵀ z' comes slice by slice.
     sums: &'a mut [Padded<T>],
 }
 
-impl<T: Scalar> Kernel for Backward<'_, T> {
+impl<T: Scalar> RowKernel<T> for Backward<'_, T> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { a, inverses, part, r, z, sums } = self;
-        let (pattern, first) = (a.pattern(), part.rows.start);
-        let columns = pattern.columns();
-        let mut product = DotSum::zero();
-        let mut next = part.rows.clone().next_back().map(|row| left(a, part, row, r, z));
-        for row in part.rows.clone().rev() {
-            let Some(rest) = next else { break };
-            let solved = solve_diagonal(&inverses[row], rest + sums[row - first]);
-            z[row - first] = solved;
-            product.add(r[row], solved);
-            // What the next row takes from before the sweep does not depend on this one: the processor may begin with it.
-            next = (row > first).then(|| left(a, part, row - 1, r, z));
-            let inner = pattern.row_in_parts(row).1;
-            let negative = -solved;
-            for (block, &column) in a.lower[inner.clone()].iter().zip(&columns[inner]) {
-                sums[column as usize - first] += block.transposed_times(negative);
-            }
+    fn run<S: Oct<T>>(self, s: S) -> f64 {
+        let Self { a, pivots, part, r, z, sums } = self;
+        let (pattern, first) = (&**a.pattern(), part.rows.start);
+        let slices = part.slices.clone();
+        let mut product = Sum::zero();
+        for (slice, pivots) in pattern.slices()[slices.clone()].iter().zip(&pivots[slices]).rev() {
+            let own = slice::load(s, slice, 0, r);
+            let ([x, y, w], [a0, a1, a2]) = (own, slice::load(s, slice, first, sums));
+            let rest = left(s, a, first, slice, [s.add(x, a0), s.add(y, a1), s.add(w, a2)], z);
+            let solved = pivots.divide(s, rest);
+            product.add(s, own, solved);
+            slice::store(s, slice, first, solved, z);
+            scatter_left(s, a, first, slice, solved, sums);
         }
         product.total()
+    }
+}
+
+/// `sums − L z` in a slice.
+#[inline(always)]
+fn left<T: Scalar, S: Oct<T>>(
+    s: S,
+    a: &BlockCsr<T>,
+    first: usize,
+    slice: &Slice,
+    mut sums: [S::V; 3],
+    z: &[Padded<T>],
+) -> [S::V; 3] {
+    for group in slice.inner as usize..slice.end as usize {
+        let right = slice::gather(s, a.pattern().columns(group), first, z);
+        sums = a.group(group).mul_sub(s, right, sums);
+    }
+    sums
+}
+
+/// Takes `Lᵀ z` of the rows of a slice from the rows left of them.
+#[inline(always)]
+fn scatter_left<T: Scalar, S: Oct<T>>(
+    s: S,
+    a: &BlockCsr<T>,
+    first: usize,
+    slice: &Slice,
+    solved: [S::V; 3],
+    out: &mut [Padded<T>],
+) {
+    for group in slice.inner as usize..slice.end as usize {
+        let product = a.group(group).transposed_mul(s, solved);
+        slice::scatter_sub(s, a.pattern().columns(group), first, product, out);
     }
 }

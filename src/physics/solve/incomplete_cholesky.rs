@@ -24,11 +24,15 @@ const MIN_PIVOT: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub struct IncompleteCholesky<T> {
     pattern: Arc<BlockPattern>,
+    /// By row: its first entry.
+    starts: Vec<u32>,
+    /// By entry: its column.
+    columns: Vec<u32>,
     /// Start of each entry's part of `updates`.
     update_starts: Vec<u32>,
     /// For the entry (i, j) all k < j with entries (i, k) and (j, k): where each stands in its row.
     updates: Vec<[u16; 2]>,
-    /// U.
+    /// U, by entry.
     lower: Vec<M3<T>>,
     /// U D of the row that is being factorised.
     scaled: Vec<M3<T>>,
@@ -42,7 +46,12 @@ pub struct IncompleteCholesky<T> {
 impl<T: Scalar> IncompleteCholesky<T> {
     /// Analyses a pattern.
     pub fn new(pattern: &Arc<BlockPattern>) -> Self {
-        let columns_of = |row: usize| &pattern.columns()[pattern.row(row)];
+        let (mut starts, mut columns) = (vec![0], Vec::new());
+        for row in 0..pattern.row_count() {
+            columns.extend(pattern.row(row).map(|slot| pattern.column(slot)));
+            starts.push(columns.len() as u32);
+        }
+        let columns_of = |row: usize| &columns[starts[row] as usize..starts[row + 1] as usize];
         let (mut update_starts, mut updates) = (vec![0], Vec::new());
         for row in 0..pattern.row_count() {
             let columns = columns_of(row);
@@ -59,13 +68,16 @@ impl<T: Scalar> IncompleteCholesky<T> {
                 update_starts.push(updates.len() as u32);
             }
         }
+        columns.shrink_to_fit();
         updates.shrink_to_fit();
-        let longest = (0..pattern.row_count()).map(|row| pattern.row(row).len()).max().unwrap_or(0);
+        let longest = (0..pattern.row_count()).map(|row| pattern.row_length(row)).max().unwrap_or(0);
         Self {
             pattern: Arc::clone(pattern),
+            lower: vec![M3::zero(); columns.len()],
+            starts,
+            columns,
             update_starts,
             updates,
-            lower: vec![M3::zero(); pattern.lower_count()],
             scaled: vec![M3::zero(); longest],
             inverse_pivots: vec![M3::zero(); pattern.row_count()],
             shift: 0,
@@ -94,24 +106,26 @@ impl<T: Scalar> Kernel for Factorise<'_, T> {
     #[inline(always)]
     fn run(self) -> bool {
         let Self { factor, a, shift } = self;
-        let IncompleteCholesky { pattern, update_starts, updates, lower, scaled, inverse_pivots, .. } = factor;
+        let IncompleteCholesky {
+            pattern, starts, columns, update_starts, updates, lower, scaled, inverse_pivots, ..
+        } = factor;
         for row in 0..pattern.row_count() {
-            let diagonal = a.diagonal[row];
+            let diagonal = a.diagonal(row);
             let mut pivot = diagonal;
             for i in 0..3 {
                 pivot.0[i][i] += shift * diagonal.0[i][i];
             }
-            for (entry, slot) in pattern.row(row).enumerate() {
-                let column = pattern.columns()[slot] as usize;
-                let other = pattern.row(column).start;
-                let mut block = a.lower[slot];
-                for &[ik, jk] in &updates[update_starts[slot] as usize..update_starts[slot + 1] as usize] {
+            for ((place, slot), entry) in pattern.row(row).enumerate().zip(starts[row] as usize..) {
+                let column = columns[entry] as usize;
+                let other = starts[column] as usize;
+                let mut block = a.block(slot);
+                for &[ik, jk] in &updates[update_starts[entry] as usize..update_starts[entry + 1] as usize] {
                     block = block - scaled[usize::from(ik)] * lower[other + usize::from(jk)].transpose();
                 }
                 let unit = block * inverse_pivots[column];
                 pivot = pivot - block * unit.transpose();
-                scaled[entry] = block;
-                lower[slot] = unit;
+                scaled[place] = block;
+                lower[entry] = unit;
             }
             match inverse_above(&pivot, [0, 1, 2].map(|i| T::from_f64(MIN_PIVOT) * diagonal.0[i][i])) {
                 Some(inverse) => inverse_pivots[row] = inverse,
@@ -133,7 +147,9 @@ impl<T: Scalar> Preconditioner<T> for IncompleteCholesky<T> {
         if found.is_none() {
             // Block Jacobi.
             self.lower.fill(M3::zero());
-            self.inverse_pivots.copy_from_slice(&a.diagonal);
+            for (row, pivot) in self.inverse_pivots.iter_mut().enumerate() {
+                *pivot = a.diagonal(row);
+            }
             invert(&mut self.inverse_pivots);
         }
     }
@@ -154,10 +170,9 @@ impl<T: Scalar> Kernel for Apply<'_, T> {
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let Self { factor: IncompleteCholesky { pattern, lower, inverse_pivots, .. }, r, z } = self;
-        let columns = pattern.columns();
+        let Self { factor: IncompleteCholesky { starts, columns, lower, inverse_pivots, .. }, r, z } = self;
         for row in 0..r.len() {
-            let range = pattern.row(row);
+            let range = starts[row] as usize..starts[row + 1] as usize;
             let mut sums = RowSums::zero();
             for (block, &column) in lower[range.clone()].iter().zip(&columns[range]) {
                 sums.add(block, z[column as usize]);
@@ -169,7 +184,7 @@ impl<T: Scalar> Kernel for Apply<'_, T> {
         }
         let mut product = 0.0;
         for row in (0..r.len()).rev() {
-            let range = pattern.row(row);
+            let range = starts[row] as usize..starts[row + 1] as usize;
             let solved = z[row].truncated();
             z[row] = solved;
             product += r[row].dot_f64(solved);

@@ -54,7 +54,7 @@ impl Default for SolverKind {
     fn default() -> Self {
         Self::ConjugateGradient {
             tolerance: 0.005,
-            relative_tolerance: 0.01,
+            relative_tolerance: 0.03,
             max_iterations: 500,
             preconditioner: PreconditionerKind::Auto,
         }

@@ -64,13 +64,14 @@ pub struct Target {
 
 /// Solves A d = b, again and again for matrices of one pattern.
 pub trait LinearSolver<T: Scalar>: Send + Sync {
-    /// Solves. `d` holds the starting guess on entry and the answer on return; a direct solver takes no notice of `target`.
+    /// Solves, and may interleave A. `d` holds the starting guess on entry and the answer on return; a direct solver takes no
+    /// notice of `target`.
     ///
     /// # Errors
     /// See [`SolveError`]; `d` is then not to be used.
     fn solve(
         &mut self,
-        a: &BlockCsr<T>,
+        a: &mut BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         target: Target,

@@ -5,9 +5,9 @@ use crate::physics::math::{Kernel, M3, Padded, Scalar, dispatch};
 
 /// A symmetric positive definite approximation P⁻¹ of A⁻¹.
 pub trait Preconditioner<T: Scalar>: Send + Sync {
-    /// Adapts to a new matrix of the same pattern.
+    /// Adapts to a new matrix of the same pattern, not yet interleaved.
     fn update(&mut self, a: &BlockCsr<T>);
-    /// `z = P⁻¹ r`, for the matrix that it was last adapted to; returns rᵀ z.
+    /// `z = P⁻¹ r`, for the matrix that it was last adapted to, now interleaved; returns rᵀ z.
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
 }
 
@@ -36,7 +36,9 @@ impl<T: Scalar> BlockJacobi<T> {
 
 impl<T: Scalar> Preconditioner<T> for BlockJacobi<T> {
     fn update(&mut self, a: &BlockCsr<T>) {
-        self.inverses.copy_from_slice(&a.diagonal);
+        for (row, inverse) in self.inverses.iter_mut().enumerate() {
+            *inverse = a.diagonal(row);
+        }
         invert(&mut self.inverses);
     }
 

@@ -2,33 +2,92 @@
 //!
 //! With `A = D + L + Lᵀ` and `B = ½ D + L` it is `Pᵀ B P` and its transpose together. So for each row i of L the sums
 //! `S(i, J) = Σⱼ B(i, j) P(j, J)` are made first, and `P(i, I) S(i, J)` then added at (I, J), or transposed at (J, I),
-//! whichever is below the diagonal.
+//! whichever is below the diagonal. All of that is laid out once, so that nothing is left to be decided for each matrix.
 
 use std::sync::Arc;
 
-use super::prolongation::Prolongation;
-use crate::physics::assembly::parts::{ByPart, BySlot, Part, for_parts};
-use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{Flat, Kernel, M3, Scalar, dispatch};
-
-/// A coarse matrix of so few rows has all blocks.
-const DENSE: usize = 64;
+use super::prolongation::{ENTRIES, Prolongation};
+use crate::physics::assembly::parts::{ByGroup, ByPart, BySlice, Part, for_parts};
+use crate::physics::assembly::{BlockCsr, BlockPattern, Group, Slicing};
+use crate::physics::math::{Flat, Kernel, M3, ROWS, Scalar, dispatch};
 
 /// What of the product depends on the patterns alone.
 #[derive(Clone, Debug)]
 pub(super) struct Galerkin<T: Scalar> {
-    /// By row of A: starts of its parts of `sums`, of `terms` and of `targets`.
-    starts: Vec<[u32; 3]>,
-    /// The columns J of the sums of each row.
-    sums: Vec<u32>,
-    /// Which sum of its row each product of a block and a weight belongs to, block by block, the diagonal first.
-    terms: Vec<u16>,
-    /// Where each product of a sum and a weight goes, sum by sum: the slot of (I, J) or (J, I), or I for I = J.
-    targets: Vec<u32>,
+    /// By row of A: starts of its parts of `terms` and of `targets`.
+    starts: Vec<[u32; 2]>,
+    /// Block by block, the diagonal first: which sum of the row each product with a weight belongs to.
+    terms: Vec<[u16; ENTRIES]>,
+    /// Sum by sum: where the products with the weights of the row go.
+    targets: Vec<[Target; ENTRIES]>,
     /// The rows of A that each part of the coarse matrix has to do with.
     rows: Vec<Vec<u32>>,
     /// The sums of a row, by part.
-    scratch: Vec<Vec<Flat<T>>>,
+    scratch: Vec<Vec<Sum<T>>>,
+}
+
+/// A sum as it is, transposed, and zero.
+type Sum<T> = [Flat<T>; 3];
+
+/// A slot of the coarse matrix, and which form of the sum goes there: its number is in the two highest bits.
+#[derive(Clone, Copy, Debug)]
+struct Target(u32);
+
+impl Target {
+    const AS_IT_IS: u32 = 0;
+    const TRANSPOSED: u32 = 1;
+    /// The product belongs on the diagonal.
+    const ZERO: u32 = 2;
+    const SLOT_BITS: u32 = 30;
+
+    fn new(slot: u32, form: u32) -> Self {
+        assert!(slot < 1 << Self::SLOT_BITS, "fewer than 2³⁰ blocks");
+        Self(slot | form << Self::SLOT_BITS)
+    }
+
+    #[inline(always)]
+    fn slot(self) -> usize {
+        (self.0 & ((1 << Self::SLOT_BITS) - 1)) as usize
+    }
+
+    #[inline(always)]
+    fn form(self) -> usize {
+        (self.0 >> Self::SLOT_BITS) as usize % 3
+    }
+}
+
+/// The columns J of the sums of a row of A, and by term which of them it belongs to.
+fn sums_of_row<T: Scalar>(pattern: &BlockPattern, p: &Prolongation<T>, row: usize) -> (Vec<u32>, Vec<[u16; ENTRIES]>) {
+    let others = pattern.row(row).map(|slot| p.row(pattern.column(slot) as usize).columns);
+    let columns: Vec<_> = core::iter::once(p.row(row).columns).chain(others).collect();
+    let mut sums = columns.concat();
+    sums.sort_unstable();
+    sums.dedup();
+    let place = |column| {
+        let place = sums.binary_search(&column).expect("each column has a sum");
+        u16::try_from(place).expect("rows have fewer than 2¹⁶ blocks")
+    };
+    // Entries without a weight go where few others do.
+    let spread = |columns: [u32; ENTRIES]| {
+        let mut places = columns.map(place);
+        for e in 1..ENTRIES {
+            if columns[e] == columns[0] {
+                places[e] = (e % sums.len()) as u16;
+            }
+        }
+        places
+    };
+    let terms = columns.into_iter().map(spread).collect();
+    (sums, terms)
+}
+
+/// Which unknowns of the result are coupled, each pair at least once, the larger first.
+pub(super) fn couplings<T: Scalar>(pattern: &BlockPattern, p: &Prolongation<T>) -> impl Iterator<Item = [u32; 2]> {
+    (0..pattern.row_count()).flat_map(|row| {
+        let (sums, _) = sums_of_row(pattern, p, row);
+        let columns = p.row(row).columns;
+        sums.into_iter().flat_map(move |j| columns.map(|i| [i.max(j), i.min(j)]))
+    })
 }
 
 impl<T: Scalar> Galerkin<T> {
@@ -38,95 +97,79 @@ impl<T: Scalar> Galerkin<T> {
         p: &Prolongation<T>,
         coarse: usize,
         part_starts: &[u32],
+        slicing: Slicing,
     ) -> (Self, Arc<BlockPattern>) {
-        let mut galerkin = Self {
-            starts: vec![[0; 3]],
-            sums: Vec::new(),
-            terms: Vec::new(),
-            targets: Vec::new(),
-            rows: Vec::new(),
-            scratch: Vec::new(),
-        };
-        let mut pairs: Vec<[u32; 2]> = Vec::new();
-        let (mut longest, mut columns) = (0, Vec::new());
-        for row in 0..pattern.row_count() {
-            // All columns J of the row, in the order of the terms.
-            columns.clear();
-            columns.extend(p.row(row).iter().map(|entry| entry.column));
-            for slot in pattern.row(row) {
-                columns.extend(p.row(pattern.columns()[slot] as usize).iter().map(|entry| entry.column));
-            }
-            let mut sums = columns.clone();
-            sums.sort_unstable();
-            sums.dedup();
-            let place = |column| sums.binary_search(&column).expect("each column has a sum") as u16;
-            galerkin.terms.extend(columns.iter().map(|&column| place(column)));
-            for &column in &sums {
-                pairs.extend(p.row(row).iter().map(|entry| [entry.column.max(column), entry.column.min(column)]));
-            }
-            longest = longest.max(sums.len());
-            galerkin.sums.extend(sums);
-            galerkin.starts.push([galerkin.sums.len(), galerkin.terms.len(), pairs.len()].map(|n| n as u32));
-        }
-        // Incomplete Cholesky is complete where every block exists.
-        let all: Vec<u32> = (0..if coarse <= DENSE { coarse as u32 } else { 0 }).collect();
-        let couplings = pairs.iter().map(|pair| &pair[..]).chain([&all[..]]);
-        let pattern = BlockPattern::new(coarse, part_starts, couplings, core::iter::empty());
-        galerkin.targets = pairs
-            .iter()
-            .map(|&[i, j]| if i == j { i } else { pattern.slot(i, j).expect("every product is in the pattern") })
-            .collect();
-        galerkin.sums.shrink_to_fit();
-        galerkin.terms.shrink_to_fit();
+        let pairs: Vec<_> = couplings(pattern, p).collect();
+        let coarse_pattern =
+            BlockPattern::new(coarse, part_starts, slicing, pairs.iter().map(|pair| &pair[..]), core::iter::empty());
+        let part_of = |row: u32| coarse_pattern.parts().partition_point(|part| part.rows.end <= row as usize);
 
-        let part_of = |row: u32| pattern.parts().partition_point(|part| part.rows.end <= row as usize);
-        galerkin.rows = vec![Vec::new(); pattern.parts().len()];
-        for row in 0..galerkin.starts.len() - 1 {
-            let products = galerkin.starts[row][2] as usize..galerkin.starts[row + 1][2] as usize;
-            let mut parts: Vec<_> = pairs[products].iter().map(|pair| part_of(pair[0])).collect();
+        let (mut starts, mut terms, mut targets, mut longest) = (vec![[0; 2]], Vec::new(), Vec::new(), 0);
+        let mut rows = vec![Vec::new(); coarse_pattern.parts().len()];
+        for row in 0..pattern.row_count() {
+            let own = p.row(row).columns;
+            let (sums, terms_of_row) = sums_of_row(pattern, p, row);
+            let mut parts: Vec<_> = own.iter().flat_map(|&i| sums.iter().map(move |&j| part_of(i.max(j)))).collect();
             parts.sort_unstable();
             parts.dedup();
-            for part in parts {
-                galerkin.rows[part].push(row as u32);
-            }
+            parts.into_iter().for_each(|part| rows[part].push(row as u32));
+
+            // Of an entry that belongs on the diagonal zero goes to any slot.
+            let any =
+                own.iter().zip(own.iter().cycle().skip(1)).find_map(|(&i, &j)| coarse_pattern.slot(i.max(j), i.min(j)));
+            let target = |i: u32, j: u32| match coarse_pattern.slot(i.max(j), i.min(j)) {
+                Some(slot) => Target::new(slot, if i > j { Target::AS_IT_IS } else { Target::TRANSPOSED }),
+                None => Target::new(any.unwrap_or(0), Target::ZERO),
+            };
+            longest = longest.max(sums.len());
+            targets.extend(sums.into_iter().map(|j| own.map(|i| target(i, j))));
+            terms.extend(terms_of_row);
+            starts.push([terms.len() as u32, targets.len() as u32]);
         }
-        let zero = M3::zero().flat();
-        galerkin.scratch = vec![vec![zero; longest]; pattern.parts().len()];
-        (galerkin, Arc::new(pattern))
+        terms.shrink_to_fit();
+        targets.shrink_to_fit();
+        let scratch = vec![vec![[Flat::zero(); 3]; longest]; coarse_pattern.parts().len()];
+        (Self { starts, terms, targets, rows, scratch }, Arc::new(coarse_pattern))
     }
 
     /// `coarse = Pᵀ A P`. Rows of A that are coupled with no others (pins) stay out: smoothing alone solves them.
     pub fn multiply(&mut self, a: &BlockCsr<T>, p: &Prolongation<T>, coarse: &mut BlockCsr<T>) {
-        let Self { starts, sums, terms, targets, rows, scratch } = self;
+        let Self { starts, terms, targets, rows, scratch } = self;
         let pattern = Arc::clone(coarse.pattern());
-        let data = (&mut coarse.diagonal[..], BySlot(&mut coarse.lower), ByPart(scratch));
-        for_parts(pattern.parts(), data, &|part: &Part, (diagonal, BySlot(lower), ByPart(scratch))| {
-            diagonal.fill(M3::zero());
-            lower.fill(M3::zero());
-            for scratch in scratch {
-                let rows = &rows[part.index];
-                dispatch(Multiply { starts, sums, terms, targets, rows, a, p, part, diagonal, lower, scratch });
+        let (diagonal, lower) = coarse.clear();
+        let data = (diagonal, lower, ByPart(scratch));
+        for_parts(pattern.parts(), data, &|part: &Part, (BySlice(diagonal), ByGroup(lower), ByPart(scratch))| {
+            diagonal.fill(Group::zero());
+            lower.fill(Group::zero());
+            for sums in scratch {
+                let (rows, coarse) = (&rows[part.index], &*pattern);
+                let (diagonal, lower) = (&mut *diagonal, &mut *lower);
+                dispatch(Multiply { starts, terms, targets, rows, a, p, coarse, part, diagonal, lower, sums });
             }
             // An aggregate of pins alone: nothing will ever be asked of it.
-            for diagonal in diagonal.iter_mut().filter(|diagonal| **diagonal == M3::zero()) {
-                *diagonal = M3::scaled_identity(T::splat(1.0));
+            for row in part.rows.clone() {
+                let slot = pattern.diagonal(row);
+                let group = &mut diagonal[slot / ROWS - part.slices.start];
+                if group.block(slot % ROWS) == M3::zero() {
+                    group.set_block(slot % ROWS, M3::scaled_identity(T::splat(1.0)));
+                }
             }
         });
     }
 }
 
 struct Multiply<'a, T: Scalar> {
-    starts: &'a [[u32; 3]],
-    sums: &'a [u32],
-    terms: &'a [u16],
-    targets: &'a [u32],
+    starts: &'a [[u32; 2]],
+    terms: &'a [[u16; ENTRIES]],
+    targets: &'a [[Target; ENTRIES]],
     rows: &'a [u32],
     a: &'a BlockCsr<T>,
     p: &'a Prolongation<T>,
+    coarse: &'a BlockPattern,
     part: &'a Part,
-    diagonal: &'a mut [M3<T>],
-    lower: &'a mut [M3<T>],
-    scratch: &'a mut [Flat<T>],
+    diagonal: &'a mut [Group<T>],
+    lower: &'a mut [Group<T>],
+    sums: &'a mut [Sum<T>],
 }
 
 impl<T: Scalar> Kernel for Multiply<'_, T> {
@@ -134,44 +177,52 @@ impl<T: Scalar> Kernel for Multiply<'_, T> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { starts, sums, terms, targets, rows, a, p, part, diagonal, lower, scratch } = self;
+        let Self { starts, terms, targets, rows, a, p, coarse, part, diagonal, lower, sums } = self;
         let pattern = &**a.pattern();
-        let (zero, half) = (M3::zero().flat(), T::splat(0.5));
         for &row in rows {
             let row = row as usize;
             if a.fixed[row] {
                 continue;
             }
-            let ([sum, term, target], [sum_end, _, _]) = (starts[row].map(|n| n as usize), starts[row + 1]);
-            let sums = &sums[sum..sum_end as usize];
-            let scratch = &mut scratch[..sums.len()];
-            scratch.fill(zero);
-            let mut terms = terms[term..].iter();
-            let entries = p.row(row);
-            let middle = a.diagonal[row].flat() * half;
-            for (entry, &place) in entries.iter().zip(&mut terms) {
-                scratch[usize::from(place)] = scratch[usize::from(place)] + middle * entry.weight;
+            let ([term, target], [term_end, target_end]) = (starts[row].map(|n| n as usize), starts[row + 1]);
+            let mut terms = terms[term..term_end as usize].iter();
+            let targets = &targets[target..target_end as usize];
+            let sums = &mut sums[..targets.len()];
+            sums.fill([Flat::zero(); 3]);
+            let own = p.row(row);
+            let own_places = terms.next().copied().unwrap_or_default();
+            let half = a.diagonal(row).flat() * T::splat(0.5);
+            for e in 0..ENTRIES {
+                let sum = &mut sums[usize::from(own_places[e])][0];
+                *sum = *sum + half * own.weights[e];
             }
-            let range = pattern.row(row);
-            for (block, &column) in a.lower[range.clone()].iter().zip(&pattern.columns()[range]) {
-                let (block, fixed) = (block.flat(), a.fixed[column as usize]);
-                for (entry, &place) in p.row(column as usize).iter().zip(&mut terms) {
-                    if !fixed {
-                        scratch[usize::from(place)] = scratch[usize::from(place)] + block * entry.weight;
+            for ((slot, places), i) in pattern.row(row).zip(terms).zip(1..) {
+                let column = pattern.column(slot) as usize;
+                if a.fixed[column] {
+                    continue;
+                }
+                let (block, weights) = (a.block(slot).flat(), p.row(column).weights);
+                for e in 0..ENTRIES {
+                    // Two sums in turn: one would have to wait for itself.
+                    let sum = &mut sums[usize::from(places[e])][i % 2];
+                    *sum = *sum + block * weights[e];
+                }
+            }
+            for (forms, targets) in sums.iter_mut().zip(targets) {
+                forms[Target::AS_IT_IS as usize] = forms[0] + forms[1];
+                forms[Target::TRANSPOSED as usize] = forms[Target::AS_IT_IS as usize].transpose();
+                for e in 0..ENTRIES {
+                    let slot = targets[e].slot();
+                    if let Some(group) = lower.get_mut((slot / ROWS).wrapping_sub(part.groups.start)) {
+                        group.accumulate(slot % ROWS, forms[targets[e].form()] * own.weights[e]);
                     }
                 }
             }
-            let mut targets = targets[target..].iter();
-            for (&column, &sum) in sums.iter().zip(&*scratch) {
-                for (entry, &target) in entries.iter().zip(&mut targets) {
-                    let product = sum * entry.weight;
-                    if entry.column == column {
-                        if let Some(block) = diagonal.get_mut((target as usize).wrapping_sub(part.rows.start)) {
-                            block.accumulate(product + product.transpose());
-                        }
-                    } else if let Some(block) = lower.get_mut((target as usize).wrapping_sub(part.slots.start)) {
-                        block.accumulate(if entry.column > column { product } else { product.transpose() });
-                    }
+            for e in 0..ENTRIES {
+                let slot = coarse.diagonal(own.columns[e] as usize);
+                if let Some(group) = diagonal.get_mut((slot / ROWS).wrapping_sub(part.slices.start)) {
+                    let [sum, transposed, _] = sums[usize::from(own_places[e])];
+                    group.accumulate(slot % ROWS, (sum + transposed) * own.weights[e]);
                 }
             }
         }

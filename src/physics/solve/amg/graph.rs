@@ -51,6 +51,27 @@ impl Graph {
         Self::of_rows(rows)
     }
 
+    /// The nodes from one neighbour to the next, breadth first.
+    fn breadth_first(&self) -> Vec<u32> {
+        let mut seen = vec![false; self.len()];
+        let mut order = Vec::with_capacity(self.len());
+        for start in 0..self.len() as u32 {
+            let mut next = order.len();
+            if !core::mem::replace(&mut seen[start as usize], true) {
+                order.push(start);
+            }
+            while let Some(&node) = order.get(next) {
+                for &neighbour in self.neighbours(node as usize) {
+                    if !core::mem::replace(&mut seen[neighbour as usize], true) {
+                        order.push(neighbour);
+                    }
+                }
+                next += 1;
+            }
+        }
+        order
+    }
+
     /// Puts each node into an aggregate: number by node, and how many there are. Greedily: first whole neighbourhoods
     /// of which no node is taken, then what is left over joins a neighbour (Vaněk, Mandel & Brezina 1996, algorithm
     /// 5.1).
@@ -58,11 +79,12 @@ impl Graph {
         const FREE: u32 = u32::MAX;
         let mut aggregate_of = vec![FREE; self.len()];
         let mut count = 0;
-        for node in 0..self.len() {
+        for node in self.breadth_first() {
+            let neighbours = self.neighbours(node as usize);
             let free = |&n: &u32| aggregate_of[n as usize] == FREE;
-            if aggregate_of[node] == FREE && self.neighbours(node).iter().all(free) {
-                aggregate_of[node] = count;
-                for &neighbour in self.neighbours(node) {
+            if free(&node) && neighbours.iter().all(free) {
+                aggregate_of[node as usize] = count;
+                for &neighbour in neighbours {
                     aggregate_of[neighbour as usize] = count;
                 }
                 count += 1;

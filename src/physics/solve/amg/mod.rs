@@ -22,11 +22,11 @@ use self::graph::Graph;
 use self::prolongation::Prolongation;
 use super::gauss_seidel::GaussSeidel;
 use super::{IncompleteCholesky, Preconditioner};
-use crate::physics::assembly::{BlockCsr, BlockPattern};
+use crate::physics::assembly::{BlockCsr, BlockPattern, Slicing, colour};
 use crate::physics::math::{Padded, Scalar};
 
 /// Levels of so few nodes are not coarsened further.
-const COARSEST: usize = 32;
+const COARSEST: usize = 12;
 /// Nor are those which coarsening would leave with more than this part of their nodes: loose pieces, say.
 const STALLED: f64 = 0.7;
 
@@ -64,9 +64,10 @@ impl<T: Scalar> Multigrid<T> {
             if count as f64 > STALLED * graph.len() as f64 {
                 break;
             }
+            let (aggregate_of, starts) = in_order(&pattern, &graph, aggregate_of, count);
             let prolongation = Prolongation::new(&graph, &aggregate_of, count);
-            let starts = coarse_part_starts(&pattern, &aggregate_of, count);
-            let (galerkin, coarse_pattern) = Galerkin::new(&pattern, &prolongation, count, &starts);
+            let slicing = if count > COARSEST { Slicing::Independent } else { Slicing::Any };
+            let (galerkin, coarse_pattern) = Galerkin::new(&pattern, &prolongation, count, &starts, slicing);
             levels.push(Level {
                 smoother: GaussSeidel::new(&pattern),
                 prolongation,
@@ -82,22 +83,30 @@ impl<T: Scalar> Multigrid<T> {
     }
 }
 
-/// First aggregates of the parts of a level, which follow those of the finer level: aggregates are numbered in the order of
-/// their nodes.
-fn coarse_part_starts(fine: &BlockPattern, aggregate_of: &[u32], aggregates: usize) -> Vec<u32> {
-    if aggregates < PART * fine.parts().len() {
-        return vec![0];
+/// The aggregates numbered anew, by part and colour, and the first of each part. Parts follow those of the finer level.
+fn in_order(fine: &BlockPattern, graph: &Graph, aggregate_of: Vec<u32>, count: usize) -> (Vec<u32>, Vec<u32>) {
+    let prolongation = Prolongation::<f32>::new(graph, &aggregate_of, count);
+    let mut neighbours = vec![Vec::new(); count];
+    for [a, b] in galerkin::couplings(fine, &prolongation).filter(|[a, b]| a != b) {
+        neighbours[a as usize].push(b);
+        neighbours[b as usize].push(a);
     }
-    let mut first_nodes = vec![usize::MAX; aggregates];
-    for (node, &aggregate) in aggregate_of.iter().enumerate() {
-        let first = &mut first_nodes[aggregate as usize];
-        *first = node.min(*first);
+    let colours = colour(&neighbours, 0..count as u32);
+
+    let parts = if count < PART * fine.parts().len() { &fine.parts()[..1] } else { fine.parts() };
+    let mut part_of = vec![u32::MAX; count];
+    for (node, &aggregate) in aggregate_of.iter().enumerate().rev() {
+        part_of[aggregate as usize] = parts.iter().rposition(|part| part.rows.start <= node).unwrap_or(0) as u32;
     }
-    let before = |row: usize| first_nodes.iter().filter(|&&first| first < row).count() as u32;
-    let mut starts: Vec<u32> = fine.parts().iter().map(|part| before(part.rows.start)).collect();
-    starts.dedup();
-    starts.retain(|&start| (start as usize) < aggregates);
-    starts
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    order.sort_by_key(|&aggregate| (part_of[aggregate as usize], colours[aggregate as usize]));
+    let mut number = vec![0; count];
+    for (i, &aggregate) in order.iter().enumerate() {
+        number[aggregate as usize] = i as u32;
+    }
+    let begins = |&i: &usize| i == 0 || part_of[order[i] as usize] != part_of[order[i - 1] as usize];
+    let starts = (0..count).filter(begins).map(|i| i as u32).collect();
+    (aggregate_of.into_iter().map(|aggregate| number[aggregate as usize]).collect(), starts)
 }
 
 impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
@@ -109,6 +118,9 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
             fine = coarse;
         }
         self.factor.update(fine);
+        for Level { coarse, .. } in &mut self.levels {
+            coarse.interleave();
+        }
     }
 
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
