@@ -1,7 +1,7 @@
 //! The parts of a step, one by one, on the swinging sheet: `cargo bench -p lab`.
 
 use bevy_cloth::physics::assembly::System;
-use bevy_cloth::physics::math::{Lanes, Padded};
+use bevy_cloth::physics::math::Padded;
 use bevy_cloth::physics::solve::{
     BlockJacobi, IncompleteCholesky, Multigrid, Preconditioner, SolverKind, Target, solver,
 };
@@ -106,13 +106,13 @@ fn step(bencher: Bencher, side: u32) {
     });
 }
 
-fn update<P: Preconditioner<f32>>(bencher: Bencher, side: u32, new: impl Fn(&System<Lanes<8>>) -> P) {
+fn update<P: Preconditioner<f32>>(bencher: Bencher, side: u32, new: impl Fn(&System<f32>) -> P) {
     let StepSystem { system, .. } = swinging(side).1;
     let mut preconditioner = new(&system);
     bencher.bench_local(|| preconditioner.update(black_box(&system.matrix)));
 }
 
-fn apply<P: Preconditioner<f32>>(bencher: Bencher, side: u32, new: impl Fn(&System<Lanes<8>>) -> P) {
+fn apply<P: Preconditioner<f32>>(bencher: Bencher, side: u32, new: impl Fn(&System<f32>) -> P) {
     let StepSystem { mut system, .. } = swinging(side).1;
     let mut preconditioner = new(&system);
     preconditioner.update(&system.matrix);

@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 use bevy_cloth::physics::Cloth;
 use bevy_cloth::physics::assembly::{BlockCsr, ImplicitStep, Ordering, System, constrain};
-use bevy_cloth::physics::math::{Lanes, M3, Padded, RowSums};
+use bevy_cloth::physics::math::{M3, Padded, RowSums};
 use pulp::{Simd, WithSimd};
 
 use crate::scenes::DT;
@@ -11,7 +11,7 @@ use crate::scenes::DT;
 /// A d = b of a backward Euler step of one frame from the state of a cloth, in single precision, its pins taken out.
 pub struct StepSystem {
     /// A and b, in an order that suits the solver.
-    pub system: System<Lanes<8>>,
+    pub system: System<f32>,
     /// World positions in that order, m.
     pub positions: Vec<DVec3>,
     inertial: Vec<DVec3>,

@@ -16,7 +16,7 @@ const fn kind(max_iterations: u32) -> SolverKind {
         tolerance: 0.0,
         relative_tolerance: 0.0,
         max_iterations,
-        preconditioner: PreconditionerKind::Auto,
+        preconditioner: PreconditionerKind::Multigrid,
     }
 }
 

@@ -1,70 +1,64 @@
-//! Elements in batches of one per lane.
+//! Elements in batches of [`ROWS`].
 
 use core::ops::Range;
 
-use bevy::math::DVec3;
-
 use super::implicit_step::Linearisation;
 use super::{BlockPattern, Group, Part};
-use crate::physics::math::{Flat, Kernel, Padded, ROWS, Real, Scalar, V3, dispatch};
+use crate::physics::math::{Lanes, M3, Oct, Pack, Padded, ROWS, RowKernel, Scalar, V3};
 
 /// A kind of element.
-pub(super) trait Elements: Sync {
-    type Lanes: Real;
+pub(super) trait Elements<T: Scalar>: Sync {
     /// The batches of each part.
     fn batches(&self) -> &[PartBatches];
-    /// Energy of a batch, lane by lane, J.
-    fn energy(&self, batch: usize, x: &[DVec3]) -> Self::Lanes;
+    /// Energy of the elements of a batch, J.
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S>;
     /// Adds forces, damping included, and of the weighted projected Hessian of a batch what is below the diagonal: the rest
     /// follows from it, see [`row_sums`](super::row_sums).
-    fn assemble(&self, batch: usize, at: &Linearisation<ScalarOf<Self>>, out: &mut Output<ScalarOf<Self>>);
+    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>);
 }
 
-/// The number type of the matrix.
-type ScalarOf<E> = <<E as Elements>::Lanes as Real>::Scalar;
-
 /// Energy of the elements of a part, J.
-pub(super) fn energy<E: Elements>(elements: &E, part: usize, x: &[DVec3]) -> f64 {
-    dispatch(EnergyOf { elements, part, x })
+pub(super) fn energy<T: Scalar>(elements: &impl Elements<T>, part: usize, x: &[Padded<f64>]) -> f64 {
+    T::dispatch(EnergyOf { elements, part, x })
 }
 
 /// Adds what the elements have to say about the rows of a part.
-pub(super) fn assemble<E: Elements>(elements: &E, at: &Linearisation<ScalarOf<E>>, out: &mut Output<ScalarOf<E>>) {
-    dispatch(Assemble { elements, at, out });
+pub(super) fn assemble<T: Scalar>(elements: &impl Elements<T>, at: &Linearisation<T>, out: &mut Output<T>) {
+    T::dispatch(Assemble { elements, at, out });
 }
 
 struct EnergyOf<'a, E> {
     elements: &'a E,
     part: usize,
-    x: &'a [DVec3],
+    x: &'a [Padded<f64>],
 }
 
-impl<E: Elements> Kernel for EnergyOf<'_, E> {
+impl<T: Scalar, E: Elements<T>> RowKernel<T> for EnergyOf<'_, E> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
+    fn run<S: Oct<T>>(self, s: S) -> f64 {
         let mut sum = 0.0;
         for batch in self.elements.batches()[self.part].own.clone() {
-            sum += self.elements.energy(batch, self.x).sum_lanes();
+            sum += self.elements.energy(s, batch, self.x).store().sum();
         }
         sum
     }
 }
 
-struct Assemble<'a, 'b, E: Elements> {
+struct Assemble<'a, 'b, E, T: Scalar> {
     elements: &'a E,
-    at: &'a Linearisation<'a, ScalarOf<E>>,
-    out: &'a mut Output<'b, ScalarOf<E>>,
+    at: &'a Linearisation<'a, T>,
+    out: &'a mut Output<'b, T>,
 }
 
-impl<E: Elements> Kernel for Assemble<'_, '_, E> {
+impl<T: Scalar, E: Elements<T>> RowKernel<T> for Assemble<'_, '_, E, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Oct<T>>(self, s: S) {
         for batch in self.elements.batches()[self.out.part].all.clone() {
-            self.elements.assemble(batch, self.at, self.out);
+            self.elements.assemble(s, batch, self.at, self.out);
         }
     }
 }
@@ -85,19 +79,27 @@ impl<'a, T: Scalar> Output<'a, T> {
         Self { part: part.index, first_row, first_group, groups, forces }
     }
 
-    /// Adds to the force on a vertex.
+    /// Adds the forces on one vertex of each element.
     #[inline(always)]
-    pub fn add_force(&mut self, vertex: u32, force: Padded<T>) {
-        if let Some(sum) = self.forces.get_mut((vertex as usize).wrapping_sub(self.first_row)) {
-            *sum += force;
+    pub fn add_forces<S: Oct<T>>(&mut self, s: S, vertices: [u32; ROWS], V3([x, y, z]): V3<Lanes<T, S>>) {
+        let forces = s.turn_back([x.v, y.v, z.v]);
+        for (vertex, force) in vertices.into_iter().zip(forces) {
+            if let Some(sum) = self.forces.get_mut((vertex as usize).wrapping_sub(self.first_row)) {
+                *sum += force;
+            }
         }
     }
 
-    /// Adds to the block of a slot.
+    /// Adds one block of each element.
     #[inline(always)]
-    pub fn add(&mut self, slot: usize, block: Flat<T>) {
-        if let Some(group) = self.groups.get_mut((slot / ROWS).wrapping_sub(self.first_group)) {
-            group.accumulate(slot % ROWS, block);
+    pub fn add_blocks<S: Oct<T>>(&mut self, s: S, slots: [u32; ROWS], block: &M3<Lanes<T, S>>) {
+        let [[a, b, c], [d, e, f], [g, h, last]] = block.0;
+        let first = s.transpose([a.v, b.v, c.v, d.v, e.v, f.v, g.v, h.v]);
+        for ((slot, first), last) in slots.into_iter().zip(first).zip(last.store().0) {
+            let slot = slot as usize;
+            if let Some(group) = self.groups.get_mut((slot / ROWS).wrapping_sub(self.first_group)) {
+                group.accumulate(s, slot % ROWS, first, last);
+            }
         }
     }
 }
@@ -111,6 +113,9 @@ pub(super) struct PartBatches {
     all: Range<usize>,
 }
 
+/// How far apart in their order the elements of a batch are: neighbours would add to the same sums, one waiting for the other.
+const APART: usize = 8;
+
 /// No element.
 pub(super) const FILLER: u32 = u32::MAX;
 
@@ -118,7 +123,7 @@ pub(super) const FILLER: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct Batches<const V: usize, const P: usize> {
     vertices: Vec<[u32; V]>,
-    /// Slots of the pairs (1, 0), (2, 0), (2, 1), … of the vertices in ascending order.
+    /// Slots of the pairs (1, 0), (2, 0), (2, 1), … of the vertices.
     slots: Vec<[u32; P]>,
     parts: Vec<PartBatches>,
 }
@@ -127,7 +132,7 @@ impl<const V: usize, const P: usize> Batches<V, P> {
     /// Batches of these elements, and which of them stands at each place; [`FILLER`] where a batch is filled up with a copy,
     /// whose rest data must make it contribute nothing.
     /// They stand in the order of `rank`, by vertex: so what is near each other is worked on one after the other.
-    pub fn new(elements: &[[u32; V]], lanes: usize, pattern: &BlockPattern, rank: &[u32]) -> (Self, Vec<u32>) {
+    pub fn new(elements: &[[u32; V]], pattern: &BlockPattern, rank: &[u32]) -> (Self, Vec<u32>) {
         let part_of = |vertex: u32| pattern.parts().partition_point(|part| part.rows.end <= vertex as usize);
         let mut in_part: Vec<[Vec<usize>; 2]> = pattern.parts().iter().map(|_| Default::default()).collect();
         for (element, vertices) in elements.iter().enumerate() {
@@ -143,18 +148,19 @@ impl<const V: usize, const P: usize> Batches<V, P> {
         let mut batches = Self { vertices: Vec::new(), slots: Vec::new(), parts: Vec::new() };
         let mut sources = Vec::new();
         for groups in in_part {
-            let start = sources.len() / lanes;
+            let start = sources.len() / ROWS;
             let [own, _] = groups.map(|mut group| {
                 group.sort_by_key(|&element| elements[element].into_iter().map(|vertex| rank[vertex as usize]).max());
-                sources.extend(group.iter().map(|&element| element as u32));
-                batches.vertices.extend(group.iter().map(|&element| elements[element]));
-                while !sources.len().is_multiple_of(lanes) {
-                    sources.push(FILLER);
-                    batches.vertices.extend(group.last().map(|&element| elements[element]));
+                for run in group.chunks(ROWS * APART) {
+                    let length = run.len().div_ceil(ROWS);
+                    for place in (0..length).flat_map(|batch| (0..ROWS).map(move |lane| lane * length + batch)) {
+                        sources.push(run.get(place).map_or(FILLER, |&element| element as u32));
+                        batches.vertices.push(elements[*run.get(place).unwrap_or(&run[0])]);
+                    }
                 }
-                start..sources.len() / lanes
+                start..sources.len() / ROWS
             });
-            batches.parts.push(PartBatches { own, all: start..sources.len() / lanes });
+            batches.parts.push(PartBatches { own, all: start..sources.len() / ROWS });
         }
         batches.vertices.shrink_to_fit();
         sources.shrink_to_fit();
@@ -167,72 +173,83 @@ impl<const V: usize, const P: usize> Batches<V, P> {
         &self.parts
     }
 
-    /// The vertices of the elements of a batch.
+    /// One vertex of each element of a batch.
     #[inline(always)]
-    pub fn vertices<L: Real>(&self, batch: usize) -> &[[u32; V]] {
-        &self.vertices[batch * L::LANES..][..L::LANES]
+    pub fn vertices(&self, batch: usize, which: usize) -> [u32; ROWS] {
+        column(&self.vertices, batch, which)
     }
 
-    /// The slots of the elements of a batch.
+    /// The slot of one pair of each element of a batch.
     #[inline(always)]
-    pub fn slots<L: Real>(&self, batch: usize) -> &[[u32; P]] {
-        &self.slots[batch * L::LANES..][..L::LANES]
+    pub fn slots(&self, batch: usize, pair: usize) -> [u32; ROWS] {
+        column(&self.slots, batch, pair)
     }
 
-    /// Vertices 1… of each element relative to its vertex 0, coordinate by coordinate. Differences are taken in f64: far from
-    /// the origin, and for short edges, f32 positions would not do.
+    /// Vertices 1… of each element relative to its vertex 0, in f64: far from the origin, and for short edges, f32 positions
+    /// would not do.
     #[inline(always)]
-    pub fn edges<L: Real, const E: usize>(&self, batch: usize, x: &[DVec3]) -> [V3<L>; E] {
-        let vertices = self.vertices::<L>(batch);
-        let mut edges = [V3::zero(); E];
-        for (i, edge) in edges.iter_mut().enumerate() {
-            *edge = V3(L::from_rows(
-                #[inline(always)]
-                |lane| {
-                    let v = &vertices[lane];
-                    rounded::<L>(x[v[i + 1] as usize] - x[v[0] as usize])
-                },
-            ));
-        }
-        edges
+    pub fn edges<S: Oct<f64>, const E: usize>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> [V3<Lanes<f64, S>>; E] {
+        self.differences(s, batch, x)
     }
 
     /// How much each of those edges changes when the vertices move so far.
     #[inline(always)]
-    pub fn edge_moves<L: Real, const E: usize>(&self, batch: usize, moved: &[Padded<L::Scalar>]) -> [V3<L>; E] {
-        let vertices = self.vertices::<L>(batch);
-        let mut edges = [V3::zero(); E];
-        for (i, edge) in edges.iter_mut().enumerate() {
-            *edge = V3(L::from_rows(
-                #[inline(always)]
-                |lane| {
-                    let v = &vertices[lane];
-                    (moved[v[i + 1] as usize] - moved[v[0] as usize]).v3().0
-                },
-            ));
+    pub fn edge_moves<T: Scalar, S: Oct<T>, const E: usize>(
+        &self,
+        s: S,
+        batch: usize,
+        moved: &[Padded<T>],
+    ) -> [V3<Lanes<T, S>>; E] {
+        self.differences(s, batch, moved)
+    }
+
+    #[inline(always)]
+    fn differences<T: Scalar, S: Oct<T>, const E: usize>(
+        &self,
+        s: S,
+        batch: usize,
+        x: &[Padded<T>],
+    ) -> [V3<Lanes<T, S>>; E] {
+        let origin = V3::of(s, s.turn(gather(x, self.vertices(batch, 0))));
+        let mut differences = [origin; E];
+        for (i, difference) in differences.iter_mut().enumerate() {
+            *difference = V3::of(s, s.turn(gather(x, self.vertices(batch, i + 1)))) - origin;
         }
-        edges
+        differences
     }
 }
 
+/// One number of each element of a batch.
 #[inline(always)]
-fn rounded<L: Real>(v: DVec3) -> [L::Scalar; 3] {
-    [L::Scalar::from_f64(v.x), L::Scalar::from_f64(v.y), L::Scalar::from_f64(v.z)]
+fn column<const N: usize>(values: &[[u32; N]], batch: usize, which: usize) -> [u32; ROWS] {
+    let mut column = [0; ROWS];
+    for (value, element) in column.iter_mut().zip(&values[batch * ROWS..][..ROWS]) {
+        *value = element[which];
+    }
+    column
+}
+
+#[inline(always)]
+fn gather<T: Scalar>(x: &[Padded<T>], vertices: [u32; ROWS]) -> [Padded<T>; ROWS] {
+    let mut gathered = [Padded::zero(); ROWS];
+    for (point, vertex) in gathered.iter_mut().zip(vertices) {
+        *point = x[vertex as usize];
+    }
+    gathered
 }
 
 /// Slots of the pairs of an element's vertices.
-fn pair_slots<const V: usize, const P: usize>(mut vertices: [u32; V], pattern: &BlockPattern) -> [u32; P] {
-    vertices.sort_unstable();
-    let mut pairs = (1..V).flat_map(|i| (0..i).map(move |j| (i, j)));
+fn pair_slots<const V: usize, const P: usize>(vertices: [u32; V], pattern: &BlockPattern) -> [u32; P] {
+    let mut pairs = (1..V).flat_map(|i| (0..i).map(move |j| (vertices[i], vertices[j])));
     core::array::from_fn(|_| {
         let (i, j) = pairs.next().expect("P is the number of pairs");
-        pattern.slot(vertices[i], vertices[j]).expect("the pattern is made of the elements")
+        pattern.slot(i.max(j), i.min(j)).expect("the pattern is made of the elements")
     })
 }
 
-/// A value for each element of each batch, one per lane; fillers take `filler`.
-pub(super) fn pack<L: Real>(sources: &[u32], filler: f64, value: impl Fn(usize) -> f64) -> Vec<L> {
+/// A value for each element of each batch; fillers take `filler`.
+pub(super) fn pack<T: Scalar>(sources: &[u32], filler: f64, value: impl Fn(usize) -> f64) -> Vec<Pack<T>> {
     let of = |source: u32| if source == FILLER { filler } else { value(source as usize) };
-    let batches = sources.chunks_exact(L::LANES);
-    batches.map(|batch| L::from_lanes(|lane| L::Scalar::from_f64(of(batch[lane])))).collect()
+    let batches = sources.chunks_exact(ROWS);
+    batches.map(|batch| Pack(core::array::from_fn(|lane| T::from_f64(of(batch[lane]))))).collect()
 }

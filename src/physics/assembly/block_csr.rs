@@ -57,6 +57,21 @@ impl<T: Scalar> BlockCsr<T> {
         self.lower[slot / ROWS].block(slot % ROWS)
     }
 
+    /// The first eight entries of the block of a slot, and the last. Not of an interleaved matrix.
+    #[inline(always)]
+    pub(crate) fn entries<S: Oct<T>>(&self, s: S, slot: usize) -> (S::V, T) {
+        debug_assert!(!self.interleaved);
+        self.lower[slot / ROWS].entries(s, slot % ROWS)
+    }
+
+    /// The same of the block of a row on the diagonal.
+    #[inline(always)]
+    pub(crate) fn diagonal_entries<S: Oct<T>>(&self, s: S, row: usize) -> (S::V, T) {
+        debug_assert!(!self.interleaved);
+        let slot = self.pattern.diagonal(row);
+        self.diagonal[slot / ROWS].entries(s, slot % ROWS)
+    }
+
     /// Changes the block of a slot. Not of an interleaved matrix.
     #[inline(always)]
     pub fn set_block(&mut self, slot: usize, block: M3<T>) {
@@ -141,7 +156,7 @@ impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
     fn run<S: Oct<T>>(self, s: S) -> f64 {
         let Self { a, part, x, y } = self;
         let (pattern, first) = (&*a.pattern, part.rows.start);
-        let two = s.splat(T::splat(2.0));
+        let two = s.splat(T::from_f64(2.0));
         let mut product = slice::Sum::zero();
         let slices = part.slices.clone();
         for (slice, diagonal) in pattern.slices()[slices.clone()].iter().zip(&a.diagonal[slices]) {

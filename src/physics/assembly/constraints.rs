@@ -51,7 +51,7 @@ impl Constraints {
         }
         for row in self.rows.iter().map(|&row| row as usize) {
             a.fixed[row] = true;
-            a.set_diagonal(row, M3::scaled_identity(T::splat(1.0)));
+            a.set_diagonal(row, M3::scaled_identity(T::from_f64(1.0)));
             b[row] = prescribed(row);
         }
     }

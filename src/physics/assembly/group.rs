@@ -30,9 +30,27 @@ impl<T: Scalar> Group<T> {
         self.0[ENTRIES * lane..][..ENTRIES].copy_from_slice(block.0.as_flattened());
     }
 
+    /// The first eight entries of one of the blocks, and the last.
+    #[inline(always)]
+    pub fn entries<S: Oct<T>>(&self, s: S, lane: usize) -> (S::V, T) {
+        let entries: &[T; ENTRIES] = self.0[ENTRIES * lane..].first_chunk().expect("a block has 9 entries");
+        let [a, b, c, d, e, f, g, h, last] = *entries;
+        (s.load(&[a, b, c, d, e, f, g, h]), last)
+    }
+
+    /// Adds to one of the blocks: to its first eight entries, and to the last.
+    #[inline(always)]
+    pub fn accumulate<S: Oct<T>>(&mut self, s: S, lane: usize, first: S::V, last: T) {
+        let entries: &mut [T; ENTRIES] = self.0[ENTRIES * lane..].first_chunk_mut().expect("a block has 9 entries");
+        if let Some((entries, end)) = entries.split_first_chunk_mut::<ROWS>() {
+            *entries = s.store(s.add(s.load(entries), first));
+            end[0] += last;
+        }
+    }
+
     /// Adds to one of the blocks.
     #[inline(always)]
-    pub fn accumulate(&mut self, lane: usize, block: Flat<T>) {
+    pub fn add(&mut self, lane: usize, block: Flat<T>) {
         let entries: &mut [T; ENTRIES] = self.0[ENTRIES * lane..].first_chunk_mut().expect("a block has 9 entries");
         let [a, b, c, d, e, f, g, h, i] = *entries;
         let first = (T::Quad::new([a, b, c, d]) + block.0).lanes();
@@ -136,7 +154,7 @@ mod tests {
         let mut group = Group::zero();
         for lane in 0..ROWS {
             group.set_block(lane, block(lane));
-            group.accumulate(lane, block(1).flat());
+            group.add(lane, block(1).flat());
             assert_eq!(group.block(lane), block(lane) + block(1));
         }
         group.interleave();

@@ -93,7 +93,7 @@ impl<'a> ImplicitStep<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Linearisation<'a, T: Scalar> {
     /// Where the forces are linearised, m.
-    pub x: &'a [DVec3],
+    pub x: &'a [Padded<f64>],
     /// x − q up to a common translation, m: `(x − q)/γ` is the velocity that damping acts on.
     pub moved: &'a [Padded<T>],
     /// Factor of the material part of the Hessian in A, γ (γ + dp).
@@ -107,9 +107,9 @@ pub(super) struct Linearisation<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> Linearisation<'a, T> {
-    pub fn new(step: &ImplicitStep<'a>, moved: &'a [Padded<T>]) -> Self {
+    pub fn new(step: &ImplicitStep, x: &'a [Padded<f64>], moved: &'a [Padded<T>]) -> Self {
         Self {
-            x: step.x,
+            x,
             moved,
             material: step.gamma * (step.gamma + step.damping),
             geometric: step.gamma * step.gamma,

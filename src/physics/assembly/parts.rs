@@ -5,6 +5,8 @@
 
 use core::ops::Range;
 
+use bevy::math::DVec3;
+
 /// A contiguous part of the rows of a matrix.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
@@ -111,6 +113,13 @@ impl Merge for () {
 }
 
 impl Merge for f64 {
+    #[inline]
+    fn merge(self, other: Self) -> Self {
+        self + other
+    }
+}
+
+impl Merge for DVec3 {
     #[inline]
     fn merge(self, other: Self) -> Self {
         self + other

@@ -23,6 +23,9 @@ pub struct BlockPattern {
     incoming: Vec<Crossing>,
 }
 
+/// No column.
+const NONE: u32 = u32::MAX;
+
 /// Where the blocks of a row are, besides that on the diagonal.
 #[derive(Clone, Copy, Debug)]
 struct Row {
@@ -144,9 +147,7 @@ impl BlockPattern {
         let first_crossing = self.columns.len();
         let inner = first_crossing + crossing_groups;
         let end = inner + inner_groups;
-        // Where there is no block: the row itself.
-        let own = core::array::from_fn(|lane| first_row + lane.min(rows.len() - 1) as u32);
-        self.columns.resize(end, own);
+        self.columns.resize(end, [NONE; ROWS]);
         self.near.resize(end, [false; ROWS]);
         for (lane, row) in rows.iter().enumerate() {
             let crossing = crossing(row);
@@ -162,6 +163,13 @@ impl BlockPattern {
                 first_crossing: (ROWS * first_crossing + lane) as u32,
                 first_inner: (ROWS * inner + lane) as u32,
             });
+        }
+        // Where there is no block stands the column of another row, which a sweep knows already.
+        for columns in &mut self.columns[first_crossing..] {
+            let known = columns.iter().copied().find(|&column| column != NONE).unwrap_or(0);
+            for column in columns.iter_mut().filter(|column| **column == NONE) {
+                *column = known;
+            }
         }
         self.slices.push(Slice {
             first_row,
@@ -249,6 +257,32 @@ impl BlockPattern {
         &self.parts
     }
 
+    /// The rows in pieces, each from the first slice that begins at or after one of these rows, to fill the matrix side by
+    /// side. Unlike parts they may be coupled.
+    pub fn pieces(&self, starts: &[u32]) -> Vec<Part> {
+        let slice_at = |row: u32| self.slices.partition_point(|slice| slice.first_row < row);
+        let end = Slice {
+            first_row: self.row_count() as u32,
+            rows: 0,
+            crossing: self.group_count() as u32,
+            inner: 0,
+            end: 0,
+        };
+        let at = |slice: usize| self.slices.get(slice).copied().unwrap_or(end);
+        let piece = |index: usize| {
+            let slices = slice_at(starts[index])..starts.get(index + 1).map_or(self.slices.len(), |&row| slice_at(row));
+            let (first, next) = (at(slices.start), at(slices.end));
+            Part {
+                index,
+                rows: first.first_row as usize..next.first_row as usize,
+                groups: first.crossing as usize..next.crossing as usize,
+                slices,
+                incoming: 0..0,
+            }
+        };
+        (0..starts.len()).map(piece).collect()
+    }
+
     /// The blocks whose column lies in an earlier part than their row, by column.
     #[inline(always)]
     pub fn incoming(&self) -> &[Crossing] {
@@ -284,8 +318,8 @@ mod tests {
         assert_eq!(pattern.near(3).collect::<Vec<_>>(), [1, 2]);
         // One slice, of as many groups as the longest row has blocks.
         assert_eq!(pattern.slices(), [Slice { first_row: 0, rows: 5, crossing: 0, inner: 0, end: 3 }]);
-        // Where there is no block stands the row itself.
-        assert_eq!(pattern.columns(2), &[0, 1, 2, 2, 4, 4, 4, 4]);
+        // Where there is no block stands the column of one that there is.
+        assert_eq!(pattern.columns(2), &[2; ROWS]);
     }
 
     #[test]
@@ -293,6 +327,17 @@ mod tests {
         let pattern = pattern(7, &[0], Slicing::Independent);
         let slices: Vec<_> = pattern.slices().iter().map(|slice| (slice.first_row, slice.rows)).collect();
         assert_eq!(slices, [(0, 1), (1, 1), (2, 1), (3, 4)]);
+    }
+
+    #[test]
+    fn pieces_are_the_whole_pattern_in_order() {
+        let pattern = pattern(7, &[0], Slicing::Independent);
+        let pieces = pattern.pieces(&[0, 2, 5]);
+        let rows: Vec<_> = pieces.iter().map(|piece| piece.rows.clone()).collect();
+        let slices: Vec<_> = pieces.iter().map(|piece| piece.slices.clone()).collect();
+        // Row 5 is in the middle of a slice, so the last piece is empty.
+        assert_eq!((rows, slices), (vec![0..2, 2..7, 7..7], vec![0..2, 2..4, 4..4]));
+        assert_eq!([pieces[0].groups.start, pieces[1].groups.end], [0, pattern.group_count()]);
     }
 
     #[test]

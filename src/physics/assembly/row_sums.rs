@@ -32,15 +32,15 @@ impl<T: Scalar> Kernel for SubtractRows<'_, T> {
                 let column = pattern.column(slot) as usize;
                 if column >= part.rows.start {
                     let other = pattern.diagonal(column);
-                    diagonal[other / ROWS - first].accumulate(other % ROWS, -block.transpose());
+                    diagonal[other / ROWS - first].add(other % ROWS, -block.transpose());
                 }
             }
-            diagonal[own / ROWS - first].accumulate(own % ROWS, sum);
+            diagonal[own / ROWS - first].add(own % ROWS, sum);
         }
         for crossing in &pattern.incoming()[part.incoming.clone()] {
             let (slot, other) = (crossing.slot as usize, pattern.diagonal(crossing.column as usize));
             let block = lower[slot / ROWS].block(slot % ROWS).flat();
-            diagonal[other / ROWS - first].accumulate(other % ROWS, -block.transpose());
+            diagonal[other / ROWS - first].add(other % ROWS, -block.transpose());
         }
     }
 }

@@ -14,7 +14,7 @@ use super::triangles::Triangles;
 use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Padded, ROWS, Real, Scalar, dispatch};
+use crate::physics::math::{M3, Padded, ROWS, Scalar, dispatch};
 use crate::physics::mesh::RestShape;
 
 /// Elastic energy by term, J.
@@ -34,18 +34,20 @@ impl ElasticEnergy {
 }
 
 /// The linear system of a cloth: elements, and the storage of A and b. All vertices are numbered as its ordering says.
-pub struct System<L: Real> {
-    triangles: Triangles<L>,
-    hinges: Hinges<L>,
+pub struct System<T: Scalar> {
+    triangles: Triangles<T>,
+    hinges: Hinges<T>,
+    /// x, where the cloth is to be linearised or measured, m.
+    points: Vec<Padded<f64>>,
     /// x − q, see [`Linearisation`].
-    moved: Vec<Padded<L::Scalar>>,
+    moved: Vec<Padded<T>>,
     /// A.
-    pub matrix: BlockCsr<L::Scalar>,
+    pub matrix: BlockCsr<T>,
     /// b, kg·m.
-    pub rhs: Vec<Padded<L::Scalar>>,
+    pub rhs: Vec<Padded<T>>,
 }
 
-impl<L: Real> System<L> {
+impl<T: Scalar> System<T> {
     /// The system of a cloth; the pattern of A and the slot of each element's blocks are found here, once.
     pub fn new(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -> Self {
         let inner = &ordering.inner;
@@ -66,6 +68,7 @@ impl<L: Real> System<L> {
         Self {
             triangles: Triangles::new(shape, fabric, inner, &rank, &pattern),
             hinges: Hinges::new(shape, fabric, inner, &rank, &pattern),
+            points: vec![Padded::zero(); shape.vertex_count()],
             moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
@@ -79,27 +82,41 @@ impl<L: Real> System<L> {
     }
 
     /// Elastic energy at `x`.
-    pub fn energy(&self, x: &[DVec3]) -> ElasticEnergy {
+    pub fn energy(&mut self, x: &[DVec3]) -> ElasticEnergy {
+        let parts = self.matrix.pattern().parts();
+        for_parts(parts, &mut self.points[..], &|part: &Part, points| pad(&x[part.rows.clone()], points));
+        self.energy_of(&self.points)
+    }
+
+    /// The same, for those who may not change anything.
+    pub fn energy_at(&self, x: &[DVec3]) -> ElasticEnergy {
+        let mut points = vec![Padded::zero(); x.len()];
+        pad(x, &mut points);
+        self.energy_of(&points)
+    }
+
+    fn energy_of(&self, points: &[Padded<f64>]) -> ElasticEnergy {
         let [membrane, bending] = for_parts(self.matrix.pattern().parts(), (), &|part: &Part, ()| {
-            [batch::energy(&self.triangles, part.index, x), batch::energy(&self.hinges, part.index, x)]
+            [batch::energy(&self.triangles, part.index, points), batch::energy(&self.hinges, part.index, points)]
         });
         ElasticEnergy { membrane, bending }
     }
 
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        let Self { triangles, hinges, moved, matrix, rhs } = self;
+        let Self { triangles, hinges, points, moved, matrix, rhs } = self;
         let pattern = Arc::clone(matrix.pattern());
-        if step.damping > 0.0 {
-            // Relative to the first vertex, as f32 has few digits and only differences count.
-            let common = step.x[0] - step.origin[0];
-            for_parts(pattern.parts(), &mut moved[..], &|part: &Part, moved| {
+        // Relative to the first vertex, as f32 has few digits and only differences count.
+        let common = step.x[0] - step.origin[0];
+        for_parts(pattern.parts(), (&mut points[..], &mut moved[..]), &|part: &Part, (points, moved)| {
+            pad(&step.x[part.rows.clone()], points);
+            if step.damping > 0.0 {
                 for (moved, vertex) in moved.iter_mut().zip(part.rows.clone()) {
                     *moved = Padded::from_f64((step.x[vertex] - step.origin[vertex] - common).to_array());
                 }
-            });
-        }
-        let linearisation = Linearisation::new(step, moved);
+            }
+        });
+        let linearisation = Linearisation::new(step, points, moved);
         let (diagonal, lower) = matrix.clear();
         for_parts(
             pattern.parts(),
@@ -115,7 +132,7 @@ impl<L: Real> System<L> {
                 for (rhs, vertex) in rhs.iter_mut().zip(part.rows.clone()) {
                     let (inertia, b) = inertia(step, vertex, masses[vertex], DVec3::from(rhs.to_f64()));
                     let slot = pattern.diagonal(vertex);
-                    let inertia = M3::scaled_identity(L::Scalar::from_f64(inertia));
+                    let inertia = M3::scaled_identity(T::from_f64(inertia));
                     diagonal[slot / ROWS - part.slices.start].set_block(slot % ROWS, inertia);
                     *rhs = Padded::from_f64(b.to_array());
                 }
@@ -125,6 +142,12 @@ impl<L: Real> System<L> {
         for_parts(pattern.parts(), diagonal, &|part: &Part, BySlice(diagonal)| {
             dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
         });
+    }
+}
+
+fn pad(x: &[DVec3], points: &mut [Padded<f64>]) {
+    for (point, x) in points.iter_mut().zip(x) {
+        *point = Padded::new(x.to_array());
     }
 }
 

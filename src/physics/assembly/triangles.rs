@@ -1,50 +1,49 @@
 //! The membrane elements of a cloth.
 
-use bevy::math::DVec3;
-
 use super::BlockPattern;
 use super::batch::{Batches, Elements, Output, PartBatches, pack};
 use super::implicit_step::{Linearisation, Projection};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Flat, Padded, Real, Scalar, V3};
+use crate::physics::math::{Lanes, Oct, Pack, Padded, Real, Scalar, V3};
 use crate::physics::mesh::{RestShape, Triangle};
 
-fn constants<L: Real>(fabric: &Fabric) -> Orthotropic<L> {
+/// All triangles, in batches, the vertices of each in ascending order.
+pub(super) struct Triangles<T> {
+    batches: Batches<3, 3>,
+    rest: Vec<Rest<Pack<T>>>,
+    /// Gram matrices of the rest edges: in f64, see [`membrane`].
+    rest_grams: Vec<Gram<Pack<f64>>>,
+    constants: Orthotropic<f64>,
+}
+
+fn constants(fabric: &Fabric) -> Orthotropic<f64> {
     Orthotropic {
-        k0: L::splat(fabric.warp_stiffness.into()),
-        k1: L::splat(fabric.coupling.into()),
-        k2: L::splat(fabric.weft_stiffness.into()),
-        k3: L::splat(fabric.shear_stiffness.into()),
+        k0: fabric.warp_stiffness.into(),
+        k1: fabric.coupling.into(),
+        k2: fabric.weft_stiffness.into(),
+        k3: fabric.shear_stiffness.into(),
     }
 }
 
-/// All triangles, in batches, the vertices of each in ascending order.
-pub(super) struct Triangles<L> {
-    batches: Batches<3, 3>,
-    rest: Vec<Rest<L>>,
-    /// Gram matrices of the rest edges, by element: in f64, see [`membrane`].
-    rest_grams: Vec<Gram<f64>>,
-    constants: Orthotropic<L>,
-}
-
-impl<L: Real> Triangles<L> {
+impl<T: Scalar> Triangles<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], rank: &[u32], pattern: &BlockPattern) -> Self {
         let sorted: Vec<Triangle> = shape.triangles.iter().map(|t| ascending(t, inner)).collect();
         let vertices: Vec<_> = sorted.iter().map(|t| t.vertices).collect();
-        let (batches, sources) = Batches::new(&vertices, L::LANES, pattern, rank);
-        let column = |r: usize, c: usize| pack::<L>(&sources, 0.0, |i| sorted[i].dm_inverse[r][c]);
+        let (batches, sources) = Batches::new(&vertices, pattern, rank);
+        let column = |r: usize, c: usize| pack::<T>(&sources, 0.0, |i| sorted[i].dm_inverse[r][c]);
         let dm = [[column(0, 0), column(0, 1)], [column(1, 0), column(1, 1)]];
         // A filler has no area, so no energy, force or Hessian.
-        let areas = pack::<L>(&sources, 0.0, |i| sorted[i].area);
+        let areas = pack::<T>(&sources, 0.0, |i| sorted[i].area);
         let rest = areas.iter().enumerate().map(|(batch, &area)| Rest {
             dm_inverse: core::array::from_fn(|r| core::array::from_fn(|c| dm[r][c][batch])),
             area,
         });
+        let grams = [0, 1, 2].map(|entry| pack::<f64>(&sources, 0.0, |i| sorted[i].rest_gram[entry]));
         Self {
+            rest_grams: (0..areas.len()).map(|batch| [0, 1, 2].map(|entry| grams[entry][batch])).collect(),
             batches,
             rest: rest.collect(),
-            rest_grams: sources.iter().map(|&i| sorted.get(i as usize).map_or([0.0; 3], |t| t.rest_gram)).collect(),
             constants: constants(fabric),
         }
     }
@@ -54,43 +53,51 @@ impl<L: Real> Triangles<L> {
         self.constants = constants(fabric);
     }
 
+    /// Rest state and constants of a batch.
+    #[inline(always)]
+    fn rest<S: Oct<T>>(&self, s: S, batch: usize) -> (Rest<Lanes<T, S>>, Orthotropic<Lanes<T, S>>) {
+        let Rest { dm_inverse: [[u1, v1], [u2, v2]], area } = &self.rest[batch];
+        let area = Lanes::load(s, area);
+        let dm_inverse = [[area.like(u1), area.like(v1)], [area.like(u2), area.like(v2)]];
+        let Orthotropic { k0, k1, k2, k3 } = self.constants;
+        let constants = Orthotropic { k0: area.splat(k0), k1: area.splat(k1), k2: area.splat(k2), k3: area.splat(k3) };
+        (Rest { dm_inverse, area }, constants)
+    }
+
     /// The edges, and the Green strain.
     #[inline(always)]
-    fn edges(&self, batch: usize, x: &[DVec3]) -> ([V3<L>; 2], Strain<L>) {
-        let vertices = self.batches.vertices::<L>(batch);
-        let grams = &self.rest_grams[batch * L::LANES..][..L::LANES];
-        let [ax, ay, az, bx, by, bz, g11, g22, g12] = L::from_rows(
-            #[inline(always)]
-            |lane| {
-                let [a, b, c] = vertices[lane];
-                let (a, b, c) = (x[a as usize], x[b as usize], x[c as usize]);
-                let (e1, e2) = (b - a, c - a);
-                let [g11, g22, g12] = membrane::half_gram_change([V3(e1.to_array()), V3(e2.to_array())], grams[lane]);
-                let r = L::Scalar::from_f64;
-                [r(e1.x), r(e1.y), r(e1.z), r(e2.x), r(e2.y), r(e2.z), r(g11), r(g22), r(g12)]
-            },
-        );
-        ([V3([ax, ay, az]), V3([bx, by, bz])], self.rest[batch].green_strain([g11, g22, g12]))
+    fn edges<S: Oct<T>>(
+        &self,
+        s: S,
+        batch: usize,
+        rest: &Rest<Lanes<T, S>>,
+        x: &[Padded<f64>],
+    ) -> ([V3<Lanes<T, S>>; 2], Strain<Lanes<T, S>>) {
+        let [e1, e2] = self.batches.edges(s.wide(), batch, x);
+        let [g11, g22, g12] = &self.rest_grams[batch];
+        let rest_gram = [Lanes::load(s.wide(), g11), Lanes::load(s.wide(), g22), Lanes::load(s.wide(), g12)];
+        let [g11, g22, g12] = membrane::half_gram_change([e1, e2], rest_gram);
+        let strain = rest.green_strain([Lanes::narrow(s, g11), Lanes::narrow(s, g22), Lanes::narrow(s, g12)]);
+        ([V3::narrow(s, e1), V3::narrow(s, e2)], strain)
     }
 }
 
-impl<L: Real> Elements for Triangles<L> {
-    type Lanes = L;
-
+impl<T: Scalar> Elements<T> for Triangles<T> {
     fn batches(&self) -> &[PartBatches] {
         self.batches.parts()
     }
 
     #[inline(always)]
-    fn energy(&self, batch: usize, x: &[DVec3]) -> L {
-        membrane::energy(&self.rest[batch], &self.constants, &self.edges(batch, x).1)
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S> {
+        let (rest, constants) = self.rest(s, batch);
+        membrane::energy(&rest, &constants, &self.edges(s, batch, &rest, x).1)
     }
 
     #[inline(always)]
-    fn assemble(&self, batch: usize, at: &Linearisation<L::Scalar>, out: &mut Output<L::Scalar>) {
-        let (material, geometric, rate) = (L::splat(at.material), L::splat(at.geometric), L::splat(at.rate));
-        let (k, rest) = (&self.constants, &self.rest[batch]);
-        let (edges, strain) = self.edges(batch, at.x);
+    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
+        let (rest, k) = self.rest(s, batch);
+        let (material, geometric) = (rest.area.splat(at.material), rest.area.splat(at.geometric));
+        let (edges, strain) = self.edges(s, batch, &rest, at.x);
         let w = rest.deformation(edges);
         let stress = k.stress(&strain);
         let projected = match at.projection {
@@ -99,25 +106,17 @@ impl<L: Real> Elements for Triangles<L> {
         };
         let mut total = stress;
         if at.rate > 0.0 {
-            let moved = rest.deformation(self.batches.edge_moves(batch, at.moved));
-            total = total + k.stress(&w.strain_rate(&moved)) * rate;
+            let moved = rest.deformation(self.batches.edge_moves(s, batch, at.moved));
+            total = total + k.stress(&w.strain_rate(&moved)) * rest.area.splat(at.rate);
         }
 
-        let (vertices, slots) = (self.batches.vertices::<L>(batch), self.batches.slots::<L>(batch));
-        let [g1, g2] = membrane::gradient(rest, &total, &w);
-        for (i, force) in [g1 + g2, -g1, -g2].into_iter().enumerate() {
-            let [x, y, z] = force.0;
-            for (vertices, &quad) in vertices.iter().zip(L::quads([x, y, z, L::zero()]).as_ref()) {
-                out.add_force(vertices[i], Padded(quad));
-            }
-        }
-        let hessian = membrane::hessian(rest, k, &projected, &w, material, geometric);
-        for (pair, block) in hessian.lower_blocks().into_iter().enumerate() {
-            let [[a, b, c], [d, e, f], [g, h, last]] = block.0;
-            let (first, second) = (L::quads([a, b, c, d]), L::quads([e, f, g, h]));
-            for (lane, slots) in slots.iter().enumerate() {
-                out.add(slots[pair] as usize, Flat(first.as_ref()[lane], second.as_ref()[lane], last.lane(lane)));
-            }
+        let [g1, g2] = membrane::gradient(&rest, &total, &w);
+        out.add_forces(s, self.batches.vertices(batch, 0), g1 + g2);
+        out.add_forces(s, self.batches.vertices(batch, 1), -g1);
+        out.add_forces(s, self.batches.vertices(batch, 2), -g2);
+        let hessian = membrane::hessian(&rest, &k, &projected, &w, material, geometric);
+        for (pair, block) in hessian.lower_blocks().iter().enumerate() {
+            out.add_blocks(s, self.batches.slots(batch, pair), block);
         }
     }
 }

@@ -7,7 +7,6 @@ use super::pins::Pins;
 use super::{ClothFault, Precision, SolverSettings, State, StepReport};
 use crate::physics::assembly::{ElasticEnergy, Ordering};
 use crate::physics::material::Fabric;
-use crate::physics::math::Lanes;
 use crate::physics::mesh::RestShape;
 
 /// What a step needs beside the state.
@@ -19,6 +18,8 @@ pub(super) struct Step<'a> {
     pub gravity: DVec3,
     /// kg.
     pub masses: &'a [f64],
+    /// All of them together, kg.
+    pub mass: f64,
     pub pins: &'a Pins,
 }
 
@@ -42,7 +43,7 @@ pub(super) fn new(
     ordering: &Ordering,
 ) -> Box<dyn Engine> {
     match settings.precision {
-        Precision::Single => Box::new(Implicit::<Lanes<8>>::new(shape, fabric, settings, ordering)),
+        Precision::Single => Box::new(Implicit::<f32>::new(shape, fabric, settings, ordering)),
         Precision::Double => Box::new(Implicit::<f64>::new(shape, fabric, settings, ordering)),
     }
 }

@@ -9,7 +9,7 @@ use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, Projection, System};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Padded, Real};
+use crate::physics::math::{Padded, Scalar};
 use crate::physics::mesh::RestShape;
 use crate::physics::solve::{LinearSolver, solver};
 
@@ -17,10 +17,10 @@ use crate::physics::solve::{LinearSolver, solver};
 const FREE_TOLERANCE: f64 = 0.1;
 
 /// A cloth's linear system, its solver, and what a step remembers.
-pub(super) struct Implicit<L: Real> {
-    pub system: System<L>,
+pub(super) struct Implicit<T: Scalar> {
+    pub system: System<T>,
     constraints: Constraints,
-    solver: Box<dyn LinearSolver<L::Scalar>>,
+    solver: Box<dyn LinearSolver<T>>,
     settings: SolverSettings,
     /// dp, s, and α, 1/s.
     damping: f64,
@@ -29,9 +29,9 @@ pub(super) struct Implicit<L: Real> {
     /// Elastic energy of the present state, if known, J.
     pub energy_now: Option<f64>,
 
-    solution: Vec<Padded<L::Scalar>>,
+    solution: Vec<Padded<T>>,
     /// Of a cloth without pins; else empty.
-    residual: Vec<Padded<L::Scalar>>,
+    residual: Vec<Padded<T>>,
     /// y, q, x and d of [`ImplicitStep`], m.
     pub inertial: Vec<DVec3>,
     origin: Vec<DVec3>,
@@ -68,7 +68,7 @@ pub(super) struct Linear {
     pub pin_share: f64,
 }
 
-impl<L: Real> Implicit<L> {
+impl<T: Scalar> Implicit<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, settings: &SolverSettings, ordering: &Ordering) -> Self {
         let system = System::new(shape, fabric, ordering);
         let count = shape.vertex_count();
@@ -155,10 +155,19 @@ impl<L: Real> Implicit<L> {
             projection: linear.projection,
             drift: DVec3::ZERO,
         };
-        implicit.drift = if any_held { mean_move(&implicit, step.masses) } else { implicit.free_drift(step.masses) };
+        implicit.drift = if any_held {
+            let parts = system.matrix.pattern().parts();
+            let moves = for_parts(parts, (), &|part: &Part, ()| {
+                part.rows.clone().map(|vertex| step.masses[vertex] * implicit.inertial_move(vertex)).sum::<DVec3>()
+            });
+            moves / step.mass
+        } else {
+            implicit.free_drift(step.masses)
+        };
         system.assemble(&implicit, step.masses);
         let prescribed = |vertex: usize| {
-            let target = state.positions[vertex].lerp(step.pins.waypoints()[vertex], linear.pin_share);
+            let x = state.positions[vertex];
+            let target = step.pins.waypoint(vertex).map_or(x, |waypoint| x.lerp(waypoint, linear.pin_share));
             Padded::from_f64((target - point[vertex] - implicit.drift).to_array())
         };
         constraints.set(system.matrix.pattern(), held);
@@ -178,7 +187,7 @@ impl<L: Real> Implicit<L> {
                 *d = guess(vertex);
             }
         });
-        let mut target = self.settings.target(step.masses.iter().sum(), linear.gamma);
+        let mut target = self.settings.target(step.mass, linear.gamma);
         if !any_held {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
@@ -212,13 +221,12 @@ impl<L: Real> Implicit<L> {
     /// Where the moves lead.
     fn finish(&mut self, scheme: Scheme, step: Step, state: &State) {
         let dt = step.dt;
-        let (held, waypoints) = (step.pins.held(), step.pins.waypoints());
         let Self { system, origin, point, moves, candidate, .. } = self;
         let lead = |vertex: usize| {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
-            if held[vertex] {
+            if let Some(waypoint) = step.pins.waypoint(vertex) {
                 // A pin is reached to the last bit, whatever the precision of the solve.
-                return (waypoints[vertex], (waypoints[vertex] - x) / dt);
+                return (waypoint, (waypoint - x) / dt);
             }
             let reached = point[vertex] + moves[vertex];
             match scheme {
@@ -236,7 +244,7 @@ impl<L: Real> Implicit<L> {
     }
 }
 
-impl<L: Real> Engine for Implicit<L> {
+impl<T: Scalar> Engine for Implicit<T> {
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
         let scheme = self.scheme(step.dt);
         let linear = self.predict(scheme, step.dt, state);
@@ -262,7 +270,7 @@ impl<L: Real> Engine for Implicit<L> {
     }
 
     fn energy(&self, positions: &[DVec3]) -> ElasticEnergy {
-        self.system.energy(positions)
+        self.system.energy_at(positions)
     }
 
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
@@ -276,10 +284,4 @@ impl<L: Real> Engine for Implicit<L> {
         self.history.dt = None;
         self.energy_now = None;
     }
-}
-
-/// Mass-weighted mean of the inertial moves, m.
-fn mean_move(implicit: &ImplicitStep, masses: &[f64]) -> DVec3 {
-    let moves = masses.iter().enumerate().map(|(vertex, &m)| m * implicit.inertial_move(vertex));
-    moves.sum::<DVec3>() / masses.iter().sum::<f64>()
 }

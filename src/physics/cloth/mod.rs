@@ -65,6 +65,8 @@ pub struct Cloth {
     /// The order that the engine has its vertices in, and with it `inner_masses`, `state` and `pins`.
     ordering: Ordering,
     inner_masses: Vec<f64>,
+    /// All masses together, kg.
+    mass: f64,
     state: State,
     pins: Pins,
     /// The state in the order of the shape.
@@ -142,6 +144,7 @@ impl Cloth {
         Ok(Self {
             engine: engine::new(&shape, &fabric, &settings, &ordering),
             inner_masses: in_order(&ordering, &masses),
+            mass: masses.iter().sum(),
             state: State { positions: in_order(&ordering, &shown.positions), velocities: shown.velocities.clone() },
             pins: Pins::new(count),
             ordering,
@@ -173,6 +176,7 @@ impl Cloth {
         self.engine.set_fabric(&self.shape, &fabric);
         self.masses = masses(&self.shape, &fabric);
         self.inner_masses = in_order(&self.ordering, &self.masses);
+        self.mass = self.masses.iter().sum();
         self.fabric = fabric;
         Ok(())
     }
@@ -306,12 +310,16 @@ impl Cloth {
             return Err(ClothFault::TimeStep);
         }
         let substeps = self.settings.substeps.max(1);
-        let Self { ordering, gravity, inner_masses, state, pins, engine, .. } = self;
+        let Self { ordering, gravity, inner_masses, mass, state, pins, engine, .. } = self;
         in_pool(ordering.part_starts.len(), || {
             (1..=substeps).rev().try_for_each(|remaining| {
                 pins.advance(&state.positions, remaining);
                 let dt = dt / f64::from(substeps);
-                engine.step(engine::Step { dt, gravity: *gravity, masses: inner_masses, pins }, state, report)
+                engine.step(
+                    engine::Step { dt, gravity: *gravity, masses: inner_masses, mass: *mass, pins },
+                    state,
+                    report,
+                )
             })
         })
     }

@@ -13,7 +13,7 @@ use super::implicit::{Implicit, Linear};
 use super::{ClothFault, State, StepReport};
 use crate::physics::assembly::Projection;
 use crate::physics::assembly::parts::{Part, for_parts};
-use crate::physics::math::Real;
+use crate::physics::math::Scalar;
 
 /// Share of kinetic, elastic and gravity's energy that a step may gain: rounding, truncated solves, second-order steps.
 const TOLERANCE: f64 = 0.05;
@@ -33,12 +33,11 @@ pub(super) struct Budget {
     tolerance: f64,
 }
 
-impl<L: Real> Implicit<L> {
+impl<T: Scalar> Implicit<T> {
     /// What the step may spend.
     pub fn checked(&mut self, step: Step, state: &State) -> Budget {
         let now = *self.energy_now.get_or_insert_with(|| self.system.energy(&state.positions).total());
-        let (held, waypoints) = (step.pins.held(), step.pins.waypoints());
-        let moved = (0..held.len()).any(|v| held[v] && waypoints[v] != state.positions[v]);
+        let moved = step.pins.waypoints().any(|(vertex, waypoint)| waypoint != state.positions[vertex]);
         let elastic = if moved {
             self.start_with_pins_moved(step, state);
             self.system.energy(&self.point).total()
@@ -46,13 +45,12 @@ impl<L: Real> Implicit<L> {
             now
         };
         let kinetic = self.kinetic(step, &state.velocities);
-        let mass: f64 = step.masses.iter().sum();
-        let fall = mass * step.gravity.length_squared() * step.dt * step.dt;
+        let fall = step.mass * step.gravity.length_squared() * step.dt * step.dt;
         Budget { start: kinetic + elastic, elastic, tolerance: TOLERANCE * (kinetic + now + fall) }
     }
 
     /// The elastic energy of the candidate, if it is finite and within the budget.
-    pub fn acceptable(&self, budget: &Budget, step: Step, state: &State) -> Option<f64> {
+    pub fn acceptable(&mut self, budget: &Budget, step: Step, state: &State) -> Option<f64> {
         let elastic = self.system.energy(&self.candidate.positions).total();
         let end = self.potential(step, state, elastic);
         // Not a number is no less than the budget either.
@@ -141,9 +139,9 @@ impl<L: Real> Implicit<L> {
 
     /// Puts the point of linearisation at xₙ with held vertices at their waypoints.
     fn start_with_pins_moved(&mut self, step: Step, state: &State) {
-        let (held, waypoints) = (step.pins.held(), step.pins.waypoints());
-        for (vertex, point) in self.point.iter_mut().enumerate() {
-            *point = if held[vertex] { waypoints[vertex] } else { state.positions[vertex] };
+        self.point.copy_from_slice(&state.positions);
+        for (vertex, waypoint) in step.pins.waypoints() {
+            self.point[vertex] = waypoint;
         }
     }
 

@@ -103,7 +103,7 @@ impl SolverSettings {
             tolerance: 1e-9,
             relative_tolerance: 0.0,
             max_iterations: 100_000,
-            preconditioner: PreconditionerKind::Auto,
+            preconditioner: PreconditionerKind::Multigrid,
         };
         Self { integrator: Integrator::default(), kind, precision: Precision::Double, substeps: 1 }
     }

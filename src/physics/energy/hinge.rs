@@ -63,16 +63,16 @@ pub fn theta<T: Real>([e, a, b]: Edges<T>) -> T {
     let (n1, n2) = (e.cross(a), b.cross(e));
     // (n1 × n2)·e/‖e‖ with e ⟂ n1, n2.
     let length = e.norm_squared().sqrt();
-    let sine = n1.cross(n2).dot(e) / length.if_positive(length, T::splat(1.0));
+    let sine = n1.cross(n2).dot(e) / length.if_positive(length, length.splat(1.0));
     sine.atan2(n1.dot(n2))
 }
 
 /// θ and ∇θ.
 #[inline(always)]
 pub fn angle<T: Real>([e, a, b]: Edges<T>, normal_floor: T) -> Angle<T> {
-    let one = T::splat(1.0);
     let (n1, n2) = (e.cross(a), b.cross(e));
     let length_squared = e.norm_squared();
+    let one = length_squared.splat(1.0);
     let length = length_squared.sqrt();
     let safe_squared = length_squared.if_positive(length_squared, one);
 
@@ -88,7 +88,7 @@ pub fn angle<T: Real>([e, a, b]: Edges<T>, normal_floor: T) -> Angle<T> {
 /// θ − θ̄, brought into [−π, π]: a fold passing through π is not a jump.
 #[inline(always)]
 pub fn deviation<T: Real>(theta: T, rest_angle: T) -> T {
-    let (pi, turn) = (T::splat(core::f64::consts::PI), T::splat(core::f64::consts::TAU));
+    let (pi, turn) = (theta.splat(core::f64::consts::PI), theta.splat(core::f64::consts::TAU));
     let d = theta - rest_angle;
     let d = (d - pi).if_positive(d - turn, d);
     (-d - pi).if_positive(d + turn, d)
@@ -104,13 +104,13 @@ pub fn energy<T: Real>(rest: &Rest<T>, edges: Edges<T>) -> T {
 /// `∂E/∂θ = 2 k_b ‖ē‖/h̄ (θ − θ̄)`, J: times ∇θ it is the gradient.
 #[inline(always)]
 pub fn moment<T: Real>(rest: &Rest<T>, theta: T) -> T {
-    T::splat(2.0) * rest.stiffness * deviation(theta, rest.rest_angle)
+    rigidity(rest) * deviation(theta, rest.rest_angle)
 }
 
 /// `∂²E/∂θ² = 2 k_b ‖ē‖/h̄`, J: times ∇θ ∇θᵀ it is the Gauss–Newton Hessian.
 #[inline(always)]
 pub fn rigidity<T: Real>(rest: &Rest<T>) -> T {
-    T::splat(2.0) * rest.stiffness
+    rest.stiffness + rest.stiffness
 }
 
 /// The dihedral angle θ of four points, rad.

@@ -91,7 +91,7 @@ impl<T: Real> Rest<T> {
     #[inline(always)]
     pub fn green_strain(&self, [g11, g22, g12]: Gram<T>) -> Strain<T> {
         let [[u1, v1], [u2, v2]] = self.dm_inverse;
-        let two = T::splat(2.0);
+        let two = u1.splat(2.0);
         Strain {
             e00: u1 * u1 * g11 + u2 * u2 * g22 + two * u1 * u2 * g12,
             e11: v1 * v1 * g11 + v2 * v2 * g22 + two * v1 * v2 * g12,
@@ -104,11 +104,8 @@ impl<T: Real> Deformation<T> {
     /// `B v`: change of the Green strain, to first order, when the deformation changes by `rate`.
     #[inline(always)]
     pub fn strain_rate(&self, rate: &Self) -> Strain<T> {
-        Strain {
-            e00: self.w_u.dot(rate.w_u),
-            e11: self.w_v.dot(rate.w_v),
-            e01: T::splat(0.5) * (self.w_u.dot(rate.w_v) + self.w_v.dot(rate.w_u)),
-        }
+        let shear = self.w_u.dot(rate.w_v) + self.w_v.dot(rate.w_u);
+        Strain { e00: self.w_u.dot(rate.w_u), e11: self.w_v.dot(rate.w_v), e01: shear.splat(0.5) * shear }
     }
 }
 
@@ -116,7 +113,7 @@ impl<T: Real> Orthotropic<T> {
     /// Energy per rest area, J/m².
     #[inline(always)]
     pub fn energy_density(&self, e: &Strain<T>) -> T {
-        let half = T::splat(0.5);
+        let half = self.k0.splat(0.5);
         half * self.k0 * e.e00 * e.e00
             + self.k1 * e.e00 * e.e11
             + half * self.k2 * e.e11 * e.e11
@@ -133,7 +130,7 @@ impl<T: Real> Orthotropic<T> {
 /// `½(G − Ḡ)` of two edges, m².
 #[inline(always)]
 pub fn half_gram_change<T: Real>([e1, e2]: [V3<T>; 2], rest: Gram<T>) -> Gram<T> {
-    let half = T::splat(0.5);
+    let half = rest[0].splat(0.5);
     [half * (e1.dot(e1) - rest[0]), half * (e2.dot(e2) - rest[1]), half * (e1.dot(e2) - rest[2])]
 }
 
@@ -194,7 +191,7 @@ impl<T: Real> Weighted<T> {
     #[inline(always)]
     fn block(&self, [ui, vi]: [T; 2], [uj, vj]: [T; 2]) -> M3<T> {
         let (k, s) = (&self.k, &self.s);
-        let half_k3 = T::splat(0.5) * k.k3;
+        let half_k3 = k.k3.splat(0.5) * k.k3;
         let material = self.uu * (k.k0 * ui * uj + half_k3 * vi * vj)
             + self.vv * (k.k2 * vi * vj + half_k3 * ui * uj)
             + self.uv * (k.k1 * ui * vj + half_k3 * vi * uj)

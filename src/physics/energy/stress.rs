@@ -21,7 +21,7 @@ impl<T: Real> Stress<T> {
     pub fn positive_part(self) -> Self {
         self.map_eigenvalues(
             #[inline(always)]
-            |lambda| lambda.max(T::zero()),
+            |lambda| lambda.max(lambda.splat(0.0)),
         )
     }
 
@@ -41,13 +41,13 @@ impl<T: Real> Stress<T> {
     /// `(λ₊+λ₋)/2 I + (λ₊−λ₋)/2 · deviator/r`.
     #[inline(always)]
     fn map_eigenvalues(self, f: impl Fn(T) -> T) -> Self {
-        let half = T::splat(0.5);
+        let half = self.s00.splat(0.5);
         let (mean, h) = (half * (self.s00 + self.s11), half * (self.s00 - self.s11));
         let r = (h * h + self.s01 * self.s01).sqrt();
         let (upper, lower) = (f(mean + r), f(mean - r));
         let new_mean = half * (upper + lower);
         // Where r = 0 the deviator is zero too, and the ratio is not needed.
-        let ratio = half * (upper - lower) / r.if_positive(r, T::splat(1.0));
+        let ratio = half * (upper - lower) / r.if_positive(r, r.splat(1.0));
         Self { s00: new_mean + ratio * h, s01: ratio * self.s01, s11: new_mean - ratio * h }
     }
 }

@@ -1,53 +1,101 @@
-//! `N` single-precision numbers side by side.
+//! [`ROWS`] numbers side by side as a [`Real`].
 
+use core::fmt::{self, Debug};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use wide::f32x4;
+use super::{Oct, ROWS, Real, Scalar, V3};
 
-use super::Real;
-
-/// `N` f32 values on which every operation acts lane by lane.
-///
-/// Plain arrays and always-inlined loops: LLVM turns them into the vector instructions of whichever target the
-/// calling function is compiled for.
+/// Eight numbers in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub struct Lanes<const N: usize>(pub [f32; N]);
+pub struct Pack<T>(pub [T; ROWS]);
 
-impl<const N: usize> Lanes<N> {
+impl<T: Scalar> Pack<T> {
+    /// Their sum, in f64.
     #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        let mut lanes = self.0;
-        for (lane, other) in lanes.iter_mut().zip(other.0) {
-            *lane = f(*lane, other);
+    pub fn sum(self) -> f64 {
+        let mut sum = 0.0;
+        for value in self.0 {
+            sum += value.to_f64();
         }
-        Self(lanes)
+        sum
+    }
+}
+
+/// Eight numbers at work, in the instruction set of S: every operation acts on them one by one.
+#[derive(Clone, Copy)]
+pub struct Lanes<T: Scalar, S: Oct<T>> {
+    s: S,
+    /// The numbers.
+    pub v: S::V,
+}
+
+impl<T: Scalar, S: Oct<T>> Lanes<T, S> {
+    /// From what the instructions act on.
+    #[inline(always)]
+    pub fn new(s: S, v: S::V) -> Self {
+        Self { s, v }
     }
 
+    /// From memory.
     #[inline(always)]
-    fn map(self, f: impl Fn(f32) -> f32) -> Self {
-        let mut lanes = self.0;
-        for lane in &mut lanes {
-            *lane = f(*lane);
-        }
-        Self(lanes)
+    pub fn load(s: S, pack: &Pack<T>) -> Self {
+        Self { s, v: s.load(&pack.0) }
+    }
+
+    /// From memory, in the instruction set of `self`.
+    #[inline(always)]
+    pub fn like(self, pack: &Pack<T>) -> Self {
+        Self::load(self.s, pack)
+    }
+
+    /// To memory.
+    #[inline(always)]
+    pub fn store(self) -> Pack<T> {
+        Pack(self.s.store(self.v))
+    }
+
+    /// Rounds to this precision.
+    #[inline(always)]
+    pub fn narrow(s: S, wide: Lanes<f64, S::Wide>) -> Self {
+        Self { s, v: s.narrow(wide.v) }
+    }
+}
+
+impl<T: Scalar, S: Oct<T>> V3<Lanes<T, S>> {
+    /// From eight x, eight y and eight z.
+    #[inline(always)]
+    pub fn of(s: S, [x, y, z]: [S::V; 3]) -> Self {
+        Self([Lanes::new(s, x), Lanes::new(s, y), Lanes::new(s, z)])
+    }
+
+    /// Rounds to this precision.
+    #[inline(always)]
+    pub fn narrow(s: S, wide: V3<Lanes<f64, S::Wide>>) -> Self {
+        let [x, y, z] = wide.0;
+        Self([Lanes::narrow(s, x), Lanes::narrow(s, y), Lanes::narrow(s, z)])
+    }
+}
+
+impl<T: Scalar, S: Oct<T>> Debug for Lanes<T, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.store().fmt(f)
     }
 }
 
 macro_rules! lanewise {
-    ($trait:ident, $method:ident, $assign:ident, $assign_method:ident) => {
-        impl<const N: usize> $trait for Lanes<N> {
+    ($trait:ident, $method:ident) => {
+        impl<T: Scalar, S: Oct<T>> $trait for Lanes<T, S> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(
-                    other,
-                    #[inline(always)]
-                    |a, b| $trait::$method(a, b),
-                )
+                Self { v: self.s.$method(self.v, other.v), ..self }
             }
         }
-        impl<const N: usize> $assign for Lanes<N> {
+    };
+    ($trait:ident, $method:ident, $assign:ident, $assign_method:ident) => {
+        lanewise!($trait, $method);
+        impl<T: Scalar, S: Oct<T>> $assign for Lanes<T, S> {
             #[inline(always)]
             fn $assign_method(&mut self, other: Self) {
                 *self = $trait::$method(*self, other);
@@ -59,156 +107,79 @@ macro_rules! lanewise {
 lanewise!(Add, add, AddAssign, add_assign);
 lanewise!(Sub, sub, SubAssign, sub_assign);
 lanewise!(Mul, mul, MulAssign, mul_assign);
+lanewise!(Div, div);
 
-impl<const N: usize> Div for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(
-            other,
-            #[inline(always)]
-            |a, b| a / b,
-        )
-    }
-}
-
-impl<const N: usize> Neg for Lanes<N> {
+impl<T: Scalar, S: Oct<T>> Neg for Lanes<T, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(
-            #[inline(always)]
-            |a| -a,
-        )
+        self.splat(0.0) - self
     }
 }
 
-impl<const N: usize> Real for Lanes<N> {
-    type Scalar = f32;
-    type Quads = [f32x4; N];
-    const LANES: usize = N;
-
+impl<T: Scalar, S: Oct<T>> Real for Lanes<T, S> {
     #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Self([value as f32; N])
-    }
-    #[inline(always)]
-    fn from_lanes(mut f: impl FnMut(usize) -> f32) -> Self {
-        let mut lanes = [0.0; N];
-        for (i, lane) in lanes.iter_mut().enumerate() {
-            *lane = f(i);
-        }
-        Self(lanes)
-    }
-    #[inline(always)]
-    fn from_rows<const K: usize>(mut f: impl FnMut(usize) -> [f32; K]) -> [Self; K] {
-        let mut rows = [Self([0.0; N]); K];
-        for lane in 0..N {
-            let values = f(lane);
-            for k in 0..K {
-                rows[k].0[lane] = values[k];
-            }
-        }
-        rows
-    }
-    #[inline(always)]
-    fn quads(four: [Self; 4]) -> Self::Quads {
-        let mut quads = [f32x4::ZERO; N];
-        // Four lanes at a time; what is left over, one by one.
-        let whole = N / 4 * 4;
-        for first in (0..whole).step_by(4) {
-            let part = |i: usize| {
-                f32x4::new([four[i].0[first], four[i].0[first + 1], four[i].0[first + 2], four[i].0[first + 3]])
-            };
-            let turned = f32x4::transpose([part(0), part(1), part(2), part(3)]);
-            quads[first..first + 4].copy_from_slice(&turned);
-        }
-        for (lane, quad) in quads.iter_mut().enumerate().skip(whole) {
-            *quad = f32x4::new([four[0].0[lane], four[1].0[lane], four[2].0[lane], four[3].0[lane]]);
-        }
-        quads
-    }
-    #[inline(always)]
-    fn lane(self, i: usize) -> f32 {
-        self.0[i]
+    fn splat(self, value: f64) -> Self {
+        Self { v: self.s.splat(T::from_f64(value)), ..self }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.map(f32::sqrt)
+        Self { v: self.s.sqrt(self.v), ..self }
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(
-            other,
-            #[inline(always)]
-            |a, b| if a > b { a } else { b },
-        )
+        Self { v: self.s.if_greater(self.v, other.v, self.v, other.v), ..self }
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(
-            other,
-            #[inline(always)]
-            |a, b| if a < b { a } else { b },
-        )
+        Self { v: self.s.if_greater(other.v, self.v, self.v, other.v), ..self }
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        self.zip(x, atan2)
+        T::atan2_of_lanes(self, x)
     }
     #[inline(always)]
     fn if_positive(self, yes: Self, no: Self) -> Self {
-        let mut lanes = yes.0;
-        for ((lane, no), x) in lanes.iter_mut().zip(no.0).zip(self.0) {
-            *lane = if x > 0.0 { *lane } else { no };
-        }
-        Self(lanes)
+        Self { v: self.s.if_greater(self.v, self.s.splat(T::zero()), yes.v, no.v), ..self }
     }
-}
-
-/// Branch-free atan2: a minimax polynomial of odd order 17 on [0, 1] (error below 3e-7 rad), then the octant.
-/// The library's own is a call per lane, which keeps the loop around it from being vectorised.
-#[inline(always)]
-fn atan2(y: f32, x: f32) -> f32 {
-    const C: [f32; 8] = [
-        -0.333_331_45,
-        0.199_935_5,
-        -0.142_089,
-        0.106_562_64,
-        -0.075_289_64,
-        0.042_909_61,
-        -0.016_165_74,
-        0.002_866_226,
-    ];
-    let (ax, ay) = (x.abs(), y.abs());
-    let (small, large) = if ax < ay { (ax, ay) } else { (ay, ax) };
-    let t = small / if large > 0.0 { large } else { 1.0 };
-    let t2 = t * t;
-    let mut p = C[7];
-    for c in C[..7].iter().rev() {
-        p = p * t2 + c;
-    }
-    let a = t + t * t2 * p;
-    let a = if ay > ax { core::f32::consts::FRAC_PI_2 - a } else { a };
-    let a = if x < 0.0 { core::f32::consts::PI - a } else { a };
-    if y < 0.0 { -a } else { a }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::math::RowKernel;
+
+    const A: [f64; ROWS] = [1.0, -2.0, 0.5, 4.0, -0.1, 8.0, 0.0, 3.0];
+    const B: f64 = 0.75;
+
+    fn formulas<R: Real>(a: R, b: R) -> [R; 5] {
+        [a + b * a - a / b, -a.max(b).sqrt(), a.min(b).atan2(a), a.if_positive(b, a), a.splat(2.5)]
+    }
+
+    struct Formulas;
+
+    impl<T: Scalar> RowKernel<T> for Formulas {
+        type Output = [Pack<T>; 5];
+
+        #[inline(always)]
+        fn run<S: Oct<T>>(self, s: S) -> Self::Output {
+            let a = Lanes::load(s, &Pack(A.map(T::from_f64)));
+            formulas(a, a.splat(B)).map(Lanes::store)
+        }
+    }
 
     #[test]
-    fn atan2_agrees_with_the_library_in_every_octant() {
-        for i in 0..=720 {
-            let angle = (i as f64 - 360.0) * core::f64::consts::PI / 360.0;
-            for radius in [1e-20, 0.3, 1.0, 1e15] {
-                let (y, x) = ((radius * angle.sin()) as f32, (radius * angle.cos()) as f32);
-                let ours = Lanes([y; 4]).atan2(Lanes([x; 4])).lane(3);
-                let error = (ours as f64 - (y as f64).atan2(x as f64)).abs();
-                assert!(error < 6e-7, "atan2({y}, {x}) = {ours}, off by {error}");
+    fn every_lane_is_computed_as_a_number_alone() {
+        fn check<T: Scalar>() {
+            let results = T::dispatch(Formulas);
+            for (lane, a) in A.into_iter().enumerate() {
+                for (result, expected) in results.iter().zip(formulas(T::from_f64(a), T::from_f64(B))) {
+                    assert!((result.0[lane] - expected).to_f64().abs() < 1e-6, "{result:?} {expected:?}");
+                }
             }
         }
-        assert_eq!(Lanes([0.0; 2]).atan2(Lanes([0.0; 2])), Lanes([0.0; 2]));
+        check::<f32>();
+        check::<f64>();
+        assert_eq!(Pack(A).sum(), 14.4);
     }
 }

@@ -2,14 +2,14 @@
 
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
-use super::{Real, V3};
+use super::{Real, Scalar, V3};
 
 /// A 3×3 matrix, by rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct M3<T>(pub [[T; 3]; 3]);
 
-impl<T: Real> M3<T> {
+impl<T: Scalar> M3<T> {
     /// The zero matrix.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -21,7 +21,9 @@ impl<T: Real> M3<T> {
     pub fn scaled_identity(s: T) -> Self {
         Self::zero().add_diagonal(s)
     }
+}
 
+impl<T: Real> M3<T> {
     /// `self + s I`.
     #[inline(always)]
     pub fn add_diagonal(mut self, s: T) -> Self {
@@ -29,12 +31,6 @@ impl<T: Real> M3<T> {
             self.0[i][i] += s;
         }
         self
-    }
-
-    /// One lane.
-    #[inline(always)]
-    pub fn lane(&self, i: usize) -> M3<T::Scalar> {
-        M3(core::array::from_fn(|r| core::array::from_fn(|c| self.0[r][c].lane(i))))
     }
 
     /// The rows.

@@ -1,7 +1,7 @@
 //! The number type every energy is written over, and 3-vectors and 3×3 blocks of it.
 //!
-//! An energy is one function over [`Real`]: `f64` gives the reference, [`Lanes`] the fast path (one element per
-//! lane). nalgebra is not used here because its operators are `#[inline]` only: they must be inlined for certain
+//! An energy is one function over [`Real`]: `f64` gives the reference, [`Lanes`] the fast path, of eight
+//! elements at once. nalgebra is not used here because its operators are `#[inline]` only: they must be inlined for certain
 //! into functions compiled for a wider instruction set.
 
 mod lanes;
@@ -12,10 +12,10 @@ mod real;
 mod simd;
 mod vector;
 
-pub use lanes::Lanes;
+pub use lanes::{Lanes, Pack};
 pub use matrix::M3;
 pub use oct::{Oct, ROWS, RowKernel};
-pub use quad::{DotSum, Flat, Padded, Quad, RowSums, Spread};
+pub use quad::{DotSum, Flat, Padded, Quad, RowSums};
 pub use real::{Real, Scalar};
 pub(crate) use simd::{Kernel, dispatch};
 pub use vector::V3;

@@ -3,7 +3,7 @@
 //! Matrices keep their 3×3 blocks as 9 numbers in a row, vectors keep 3 numbers and a fourth that is zero.
 
 use core::fmt::Debug;
-use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use wide::{f32x4, f64x4};
 
@@ -11,7 +11,16 @@ use super::{M3, Scalar, V3};
 
 /// Four numbers side by side.
 pub trait Quad<T>:
-    Copy + Debug + PartialEq + Send + Sync + 'static + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+    Copy
+    + Debug
+    + PartialEq
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
 {
     /// From its lanes.
     fn new(lanes: [T; 4]) -> Self;
@@ -21,6 +30,10 @@ pub trait Quad<T>:
     fn widen(self) -> f64x4;
     /// The first lanes of four, the second ones, and so on.
     fn transpose(four: [Self; 4]) -> [Self; 4];
+    /// Square roots.
+    fn sqrt(self) -> Self;
+    /// `yes` where `self` > `other`, `no` elsewhere.
+    fn if_greater(self, other: Self, yes: Self, no: Self) -> Self;
 }
 
 macro_rules! impl_quad {
@@ -42,6 +55,14 @@ macro_rules! impl_quad {
             #[inline(always)]
             fn transpose(four: [Self; 4]) -> [Self; 4] {
                 <$quad>::transpose(four)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$quad>::sqrt(self)
+            }
+            #[inline(always)]
+            fn if_greater(self, other: Self, yes: Self, no: Self) -> Self {
+                self.simd_gt(other).select(yes, no)
             }
         }
     };
@@ -300,33 +321,6 @@ impl<T: Scalar> Mul<T> for Flat<T> {
     }
 }
 
-/// A vector spread out for outer products with others.
-#[derive(Clone, Copy, Debug)]
-pub struct Spread<T: Scalar> {
-    by_row: Flat<T>,
-    by_column: Flat<T>,
-}
-
-impl<T: Scalar> Spread<T> {
-    /// Spreads `v` as the right factor, and `scale v` as the left one.
-    #[inline(always)]
-    pub fn new(v: Padded<T>, scale: T) -> Self {
-        let [x, y, z, _] = v.0.lanes();
-        let [p, q, r, _] = (v * scale).0.lanes();
-        Self {
-            by_row: Flat(T::Quad::new([p, p, p, q]), T::Quad::new([q, q, r, r]), r),
-            by_column: Flat(T::Quad::new([x, y, z, x]), T::Quad::new([y, z, x, y]), z),
-        }
-    }
-
-    /// `scale v wᵀ` of this vector v and another one w.
-    #[inline(always)]
-    pub fn outer(&self, other: &Self) -> Flat<T> {
-        let (v, w) = (self.by_row, other.by_column);
-        Flat(v.0 * w.0, v.1 * w.1, v.2 * w.2)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -352,14 +346,5 @@ mod tests {
         sum.accumulate(A.flat() * 2.0);
         sum.accumulate(A.flat().transpose() + A.flat());
         assert_eq!(sum, A * 3.0 + A.transpose());
-    }
-
-    #[test]
-    fn outer_products_are_scaled_once() {
-        let (v, w) = (V3(X), V3([1.0, 3.0, -5.0]));
-        let [spread_v, spread_w] = [v, w].map(|v| Spread::new(Padded::new(v.0), 2.0));
-        let mut block = M3::zero();
-        block.accumulate(spread_v.outer(&spread_w));
-        assert_eq!(block, v.outer(w) * 2.0);
     }
 }

@@ -10,12 +10,6 @@ use super::{M3, Real, Scalar};
 pub struct V3<T>(pub [T; 3]);
 
 impl<T: Real> V3<T> {
-    /// The zero vector.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        Self([T::zero(); 3])
-    }
-
     /// Dot product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {
@@ -35,12 +29,6 @@ impl<T: Real> V3<T> {
         self.dot(self)
     }
 
-    /// One lane.
-    #[inline(always)]
-    pub fn lane(self, i: usize) -> V3<T::Scalar> {
-        V3([self.0[0].lane(i), self.0[1].lane(i), self.0[2].lane(i)])
-    }
-
     /// `self otherᵀ`.
     #[inline(always)]
     pub fn outer(self, other: Self) -> M3<T> {
@@ -50,6 +38,12 @@ impl<T: Real> V3<T> {
 }
 
 impl<T: Scalar> V3<T> {
+    /// The zero vector.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self([T::zero(); 3])
+    }
+
     /// Rounds to this precision.
     #[inline(always)]
     pub fn from_f64(v: [f64; 3]) -> Self {

@@ -2,8 +2,9 @@
 //!
 //! `A = D + L + Lᵀ + C`, where L couples rows of one part and C rows of different parts: C enters as of before the sweep
 //! (block Jacobi over parts, Gauss–Seidel within). A part of the norms of its blocks comes on top of the diagonal, R, so that
-//! the sweeps still reduce the error (Baker, Falgout, Kolev & Yang 2011, section 4.1): half of them would do whatever C is, a
-//! quarter does if D is no less than half of C, and costs fewer iterations.
+//! the sweeps still reduce the error (Baker, Falgout, Kolev & Yang 2011, section 4.1): `D + 2 R − C` has to be positive
+//! definite. Half of the norms would do whatever C is; a tenth does where C is no more than most of D, as in a cloth, of which a
+//! vertex on a boundary has half of its neighbours on its own side, and costs fewer iterations.
 //!
 //! The rows of a slice are not coupled, so a sweep takes them at once.
 
@@ -100,19 +101,21 @@ impl<T: Scalar> GaussSeidel<T> {
     pub fn backward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         let Self { pivots, sums } = self;
         let (parts, old) = (a.pattern().parts(), &*z);
-        sums.fill(Padded::zero());
-        if parts.len() > 1 {
-            for_parts(parts, &mut sums[..], &|part: &Part, out| T::dispatch(Across { a, pivots, part, z: old, out }));
-        }
+        for_parts(parts, &mut sums[..], &|part: &Part, out| {
+            out.fill(Padded::zero());
+            if parts.len() > 1 {
+                T::dispatch(Across { a, pivots, part, z: old, out });
+            }
+        });
         for_parts(parts, (z, &mut sums[..]), &|part: &Part, (z, sums)| {
             T::dispatch(Backward { a, pivots, part, r, z, sums })
         })
     }
 }
 
-/// A quarter of the norms of the blocks by which a row of a part is coupled with others.
+/// A tenth of the norms of the blocks by which a row of a part is coupled with others.
 fn coupling_across<T: Scalar>(a: &BlockCsr<T>, part: &Part, row: usize) -> T {
-    let (pattern, share) = (a.pattern(), T::splat(0.25));
+    let (pattern, share) = (a.pattern(), T::from_f64(0.1));
     let mut sum = T::zero();
     for slot in pattern.row(row).take_while(|&slot| (pattern.column(slot) as usize) < part.rows.start) {
         sum += share * norm(&a.block(slot));

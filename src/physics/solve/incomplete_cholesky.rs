@@ -86,13 +86,6 @@ impl<T: Scalar> IncompleteCholesky<T> {
     }
 }
 
-impl<T> IncompleteCholesky<T> {
-    /// The diagonal shift of the last matrix, relative to the diagonal; infinite if it got none that was enough.
-    pub fn shift(&self) -> f64 {
-        SHIFTS.get(self.shift).copied().unwrap_or(f64::INFINITY)
-    }
-}
-
 /// Factorises `A + shift diag(A)`; false if a pivot is not positive.
 struct Factorise<'a, T> {
     factor: &'a mut IncompleteCholesky<T>,

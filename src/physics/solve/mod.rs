@@ -4,7 +4,6 @@
 //! [`Preconditioner`]. Neither knows what the matrix means.
 
 pub mod amg;
-mod auto;
 #[cfg(feature = "cholesky")]
 mod cholesky;
 mod conjugate_gradient;
@@ -19,7 +18,6 @@ use std::sync::Arc;
 use thiserror::Error;
 
 pub use amg::Multigrid;
-pub use auto::Auto;
 #[cfg(feature = "cholesky")]
 pub use cholesky::Cholesky;
 pub use conjugate_gradient::ConjugateGradient;
@@ -89,14 +87,9 @@ pub fn solver<T: Scalar>(kind: SolverKind, pattern: &Arc<BlockPattern>) -> Box<d
     }
 }
 
-/// Cloths of fewer vertices are solved as fast with incomplete Cholesky, which takes less memory.
-const MULTIGRID_FROM: usize = 300;
-
 /// The preconditioner of this kind for matrices of this pattern.
 pub fn preconditioner<T: Scalar>(kind: PreconditionerKind, pattern: &Arc<BlockPattern>) -> Box<dyn Preconditioner<T>> {
     match kind {
-        PreconditionerKind::Auto if pattern.row_count() < MULTIGRID_FROM => Box::new(Auto::new(pattern)),
-        PreconditionerKind::Auto => preconditioner(PreconditionerKind::Multigrid, pattern),
         PreconditionerKind::BlockJacobi => Box::new(BlockJacobi::new(pattern.row_count())),
         PreconditionerKind::IncompleteCholesky => Box::new(IncompleteCholesky::new(pattern)),
         PreconditionerKind::Multigrid => Box::new(Multigrid::new(pattern)),

@@ -100,7 +100,7 @@ pub(super) fn positive_inverse<T: Scalar>(block: &M3<T>) -> M3<T> {
 #[inline(always)]
 pub(super) fn inverse_above<T: Scalar>(block: &M3<T>, floors: [T; 3]) -> Option<M3<T>> {
     // The determinant of a block of grams would vanish in f32, so the magnitude is taken out first.
-    let scale = T::splat(1.0) / block.0[0][0].max(block.0[1][1]).max(block.0[2][2]);
+    let scale = T::from_f64(1.0) / block.0[0][0].max(block.0[1][1]).max(block.0[2][2]);
     let [[a, b, c], [_, d, e], [_, _, f]] = (*block * scale).0;
     let [p, q, r] = floors.map(|floor| (floor * scale).max(T::zero()));
     // Cofactors; the pivots are a, minor/a and determinant/minor.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::prolongation::{ENTRIES, Prolongation};
 use crate::physics::assembly::parts::{ByGroup, ByPart, BySlice, Part, for_parts};
 use crate::physics::assembly::{BlockCsr, BlockPattern, Group, Slicing};
-use crate::physics::math::{Flat, Kernel, M3, ROWS, Scalar, dispatch};
+use crate::physics::math::{M3, Oct, Pack, ROWS, RowKernel, Scalar};
 
 /// What of the product depends on the patterns alone.
 #[derive(Clone, Debug)]
@@ -20,14 +20,36 @@ pub(super) struct Galerkin<T: Scalar> {
     terms: Vec<[u16; ENTRIES]>,
     /// Sum by sum: where the products with the weights of the row go.
     targets: Vec<[Target; ENTRIES]>,
-    /// The rows of A that each part of the coarse matrix has to do with.
+    /// Of the coarse matrix, filled side by side.
+    pieces: Vec<Part>,
+    /// The rows of A that each piece has to do with.
     rows: Vec<Vec<u32>>,
-    /// The sums of a row, by part.
+    /// The sums of a row, by piece.
     scratch: Vec<Vec<Sum<T>>>,
 }
 
-/// A sum as it is, transposed, and zero.
-type Sum<T> = [Flat<T>; 3];
+/// A sum as it is, transposed, and zero; while it is made, two parts of it.
+type Sum<T> = [Block<T>; 3];
+
+/// A block: its first eight entries, and the last.
+#[derive(Clone, Copy, Debug)]
+struct Block<T> {
+    first: Pack<T>,
+    last: T,
+}
+
+impl<T: Scalar> Block<T> {
+    fn zero() -> Self {
+        Self { first: Pack([T::zero(); ROWS]), last: T::zero() }
+    }
+
+    /// Adds a block times a weight.
+    #[inline(always)]
+    fn add_scaled<S: Oct<T>>(&mut self, s: S, (first, last): (S::V, T), weight: T) {
+        self.first.0 = s.store(s.mul_add(first, s.splat(weight), s.load(&self.first.0)));
+        self.last += last * weight;
+    }
+}
 
 /// A slot of the coarse matrix, and which form of the sum goes there: its number is in the two highest bits.
 #[derive(Clone, Copy, Debug)]
@@ -91,28 +113,32 @@ pub(super) fn couplings<T: Scalar>(pattern: &BlockPattern, p: &Prolongation<T>) 
 }
 
 impl<T: Scalar> Galerkin<T> {
-    /// The product for matrices of `pattern`, and the pattern of the result, whose parts begin at `part_starts`.
+    /// The product for matrices of `pattern`, and the pattern of the result, which is filled in pieces and swept over in parts that
+    /// begin at these rows.
     pub fn new(
         pattern: &BlockPattern,
         p: &Prolongation<T>,
         coarse: usize,
+        piece_starts: &[u32],
         part_starts: &[u32],
         slicing: Slicing,
     ) -> (Self, Arc<BlockPattern>) {
         let pairs: Vec<_> = couplings(pattern, p).collect();
         let coarse_pattern =
             BlockPattern::new(coarse, part_starts, slicing, pairs.iter().map(|pair| &pair[..]), core::iter::empty());
-        let part_of = |row: u32| coarse_pattern.parts().partition_point(|part| part.rows.end <= row as usize);
+        let pieces = coarse_pattern.pieces(piece_starts);
+        let piece_of = |row: u32| pieces.partition_point(|piece| piece.rows.end <= row as usize);
 
         let (mut starts, mut terms, mut targets, mut longest) = (vec![[0; 2]], Vec::new(), Vec::new(), 0);
-        let mut rows = vec![Vec::new(); coarse_pattern.parts().len()];
+        let mut rows = vec![Vec::new(); pieces.len()];
         for row in 0..pattern.row_count() {
             let own = p.row(row).columns;
             let (sums, terms_of_row) = sums_of_row(pattern, p, row);
-            let mut parts: Vec<_> = own.iter().flat_map(|&i| sums.iter().map(move |&j| part_of(i.max(j)))).collect();
-            parts.sort_unstable();
-            parts.dedup();
-            parts.into_iter().for_each(|part| rows[part].push(row as u32));
+            let pairs = own.iter().flat_map(|&i| sums.iter().map(move |&j| i.max(j)));
+            let mut touched: Vec<_> = pairs.map(piece_of).collect();
+            touched.sort_unstable();
+            touched.dedup();
+            touched.into_iter().for_each(|piece| rows[piece].push(row as u32));
 
             // Of an entry that belongs on the diagonal zero goes to any slot.
             let any =
@@ -128,30 +154,30 @@ impl<T: Scalar> Galerkin<T> {
         }
         terms.shrink_to_fit();
         targets.shrink_to_fit();
-        let scratch = vec![vec![[Flat::zero(); 3]; longest]; coarse_pattern.parts().len()];
-        (Self { starts, terms, targets, rows, scratch }, Arc::new(coarse_pattern))
+        let scratch = vec![vec![[Block::zero(); 3]; longest]; pieces.len()];
+        (Self { starts, terms, targets, pieces, rows, scratch }, Arc::new(coarse_pattern))
     }
 
     /// `coarse = Pᵀ A P`. Rows of A that are coupled with no others (pins) stay out: smoothing alone solves them.
     pub fn multiply(&mut self, a: &BlockCsr<T>, p: &Prolongation<T>, coarse: &mut BlockCsr<T>) {
-        let Self { starts, terms, targets, rows, scratch } = self;
+        let Self { starts, terms, targets, pieces, rows, scratch } = self;
         let pattern = Arc::clone(coarse.pattern());
         let (diagonal, lower) = coarse.clear();
         let data = (diagonal, lower, ByPart(scratch));
-        for_parts(pattern.parts(), data, &|part: &Part, (BySlice(diagonal), ByGroup(lower), ByPart(scratch))| {
+        for_parts(pieces, data, &|part: &Part, (BySlice(diagonal), ByGroup(lower), ByPart(scratch))| {
             diagonal.fill(Group::zero());
             lower.fill(Group::zero());
             for sums in scratch {
                 let (rows, coarse) = (&rows[part.index], &*pattern);
                 let (diagonal, lower) = (&mut *diagonal, &mut *lower);
-                dispatch(Multiply { starts, terms, targets, rows, a, p, coarse, part, diagonal, lower, sums });
+                T::dispatch(Multiply { starts, terms, targets, rows, a, p, coarse, part, diagonal, lower, sums });
             }
             // An aggregate of pins alone: nothing will ever be asked of it.
             for row in part.rows.clone() {
                 let slot = pattern.diagonal(row);
                 let group = &mut diagonal[slot / ROWS - part.slices.start];
                 if group.block(slot % ROWS) == M3::zero() {
-                    group.set_block(slot % ROWS, M3::scaled_identity(T::splat(1.0)));
+                    group.set_block(slot % ROWS, M3::scaled_identity(T::from_f64(1.0)));
                 }
             }
         });
@@ -172,11 +198,11 @@ struct Multiply<'a, T: Scalar> {
     sums: &'a mut [Sum<T>],
 }
 
-impl<T: Scalar> Kernel for Multiply<'_, T> {
+impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Oct<T>>(self, s: S) {
         let Self { starts, terms, targets, rows, a, p, coarse, part, diagonal, lower, sums } = self;
         let pattern = &**a.pattern();
         for &row in rows {
@@ -188,41 +214,48 @@ impl<T: Scalar> Kernel for Multiply<'_, T> {
             let mut terms = terms[term..term_end as usize].iter();
             let targets = &targets[target..target_end as usize];
             let sums = &mut sums[..targets.len()];
-            sums.fill([Flat::zero(); 3]);
+            for [even, odd, _] in &mut *sums {
+                (*even, *odd) = (Block::zero(), Block::zero());
+            }
             let own = p.row(row);
             let own_places = terms.next().copied().unwrap_or_default();
-            let half = a.diagonal(row).flat() * T::splat(0.5);
+            let (first, last) = a.diagonal_entries(s, row);
             for e in 0..ENTRIES {
-                let sum = &mut sums[usize::from(own_places[e])][0];
-                *sum = *sum + half * own.weights[e];
+                let half = T::from_f64(0.5) * own.weights[e];
+                sums[usize::from(own_places[e])][0].add_scaled(s, (first, last), half);
             }
             for ((slot, places), i) in pattern.row(row).zip(terms).zip(1..) {
                 let column = pattern.column(slot) as usize;
                 if a.fixed[column] {
                     continue;
                 }
-                let (block, weights) = (a.block(slot).flat(), p.row(column).weights);
+                let (block, weights) = (a.entries(s, slot), p.row(column).weights);
                 for e in 0..ENTRIES {
                     // Two sums in turn: one would have to wait for itself.
-                    let sum = &mut sums[usize::from(places[e])][i % 2];
-                    *sum = *sum + block * weights[e];
+                    sums[usize::from(places[e])][i % 2].add_scaled(s, block, weights[e]);
                 }
             }
             for (forms, targets) in sums.iter_mut().zip(targets) {
-                forms[Target::AS_IT_IS as usize] = forms[0] + forms[1];
-                forms[Target::TRANSPOSED as usize] = forms[Target::AS_IT_IS as usize].transpose();
+                let [even, odd, _] = *forms;
+                let sum = s.add(s.load(&even.first.0), s.load(&odd.first.0));
+                let last = even.last + odd.last;
+                forms[Target::AS_IT_IS as usize] = Block { first: Pack(s.store(sum)), last };
+                forms[Target::TRANSPOSED as usize] = Block { first: Pack(s.store(s.transpose_block(sum))), last };
                 for e in 0..ENTRIES {
-                    let slot = targets[e].slot();
+                    let (slot, weight) = (targets[e].slot(), own.weights[e]);
                     if let Some(group) = lower.get_mut((slot / ROWS).wrapping_sub(part.groups.start)) {
-                        group.accumulate(slot % ROWS, forms[targets[e].form()] * own.weights[e]);
+                        let Block { first, last } = &forms[targets[e].form()];
+                        group.accumulate(s, slot % ROWS, s.mul(s.load(&first.0), s.splat(weight)), *last * weight);
                     }
                 }
             }
             for e in 0..ENTRIES {
-                let slot = coarse.diagonal(own.columns[e] as usize);
+                let (slot, weight) = (coarse.diagonal(own.columns[e] as usize), own.weights[e]);
                 if let Some(group) = diagonal.get_mut((slot / ROWS).wrapping_sub(part.slices.start)) {
-                    let [sum, transposed, _] = sums[usize::from(own_places[e])];
-                    group.accumulate(slot % ROWS, (sum + transposed) * own.weights[e]);
+                    let [sum, transposed, _] = &sums[usize::from(own_places[e])];
+                    let both = s.add(s.load(&sum.first.0), s.load(&transposed.first.0));
+                    let last = (sum.last + transposed.last) * weight;
+                    group.accumulate(s, slot % ROWS, s.mul(both, s.splat(weight)), last);
                 }
             }
         }

@@ -31,7 +31,9 @@ const COARSEST: usize = 12;
 const STALLED: f64 = 0.7;
 
 /// Rows of a part of a coarse level, at least, on average: below that a level is one part.
-const PART: usize = 256;
+const PART: usize = 64;
+/// Rows of a piece of a coarse level that is filled by a thread of its own, at least, on average.
+const PIECE: usize = 64;
 
 /// One V-cycle; see the [module](self).
 #[derive(Clone, Debug)]
@@ -58,16 +60,25 @@ impl<T: Scalar> Multigrid<T> {
     pub fn new(pattern: &Arc<BlockPattern>) -> Self {
         let mut pattern = Arc::clone(pattern);
         let mut graph = Graph::of_pattern(&pattern);
+        let mut pieces: Vec<_> = pattern.parts().iter().map(|part| part.rows.start as u32).collect();
         let mut levels = Vec::new();
         while graph.len() > COARSEST {
             let (aggregate_of, count) = graph.aggregates();
             if count as f64 > STALLED * graph.len() as f64 {
                 break;
             }
-            let (aggregate_of, starts) = in_order(&pattern, &graph, aggregate_of, count);
+            if count < PIECE * pieces.len() {
+                pieces.truncate(1);
+            }
+            let (aggregate_of, starts) = in_order(&pattern, &graph, aggregate_of, count, &pieces);
             let prolongation = Prolongation::new(&graph, &aggregate_of, count);
             let slicing = if count > COARSEST { Slicing::Independent } else { Slicing::Any };
-            let (galerkin, coarse_pattern) = Galerkin::new(&pattern, &prolongation, count, &starts, slicing);
+            // Parts cost iterations, so levels of which each part would be small have none.
+            let in_parts = pattern.parts().len() > 1 && count >= PART * starts.len();
+            let part_starts = if in_parts { &starts[..] } else { &[0] };
+            let (galerkin, coarse_pattern) =
+                Galerkin::new(&pattern, &prolongation, count, &starts, part_starts, slicing);
+            pieces = starts;
             levels.push(Level {
                 smoother: GaussSeidel::new(&pattern),
                 prolongation,
@@ -83,8 +94,15 @@ impl<T: Scalar> Multigrid<T> {
     }
 }
 
-/// The aggregates numbered anew, by part and colour, and the first of each part. Parts follow those of the finer level.
-fn in_order(fine: &BlockPattern, graph: &Graph, aggregate_of: Vec<u32>, count: usize) -> (Vec<u32>, Vec<u32>) {
+/// The aggregates numbered anew, by piece and colour, and the first of each piece. Pieces follow those of the finer level, which
+/// begin at these rows.
+fn in_order(
+    fine: &BlockPattern,
+    graph: &Graph,
+    aggregate_of: Vec<u32>,
+    count: usize,
+    fine_pieces: &[u32],
+) -> (Vec<u32>, Vec<u32>) {
     let prolongation = Prolongation::<f32>::new(graph, &aggregate_of, count);
     let mut neighbours = vec![Vec::new(); count];
     for [a, b] in galerkin::couplings(fine, &prolongation).filter(|[a, b]| a != b) {
@@ -93,18 +111,17 @@ fn in_order(fine: &BlockPattern, graph: &Graph, aggregate_of: Vec<u32>, count: u
     }
     let colours = colour(&neighbours, 0..count as u32);
 
-    let parts = if count < PART * fine.parts().len() { &fine.parts()[..1] } else { fine.parts() };
-    let mut part_of = vec![u32::MAX; count];
+    let mut piece_of = vec![0; count];
     for (node, &aggregate) in aggregate_of.iter().enumerate().rev() {
-        part_of[aggregate as usize] = parts.iter().rposition(|part| part.rows.start <= node).unwrap_or(0) as u32;
+        piece_of[aggregate as usize] = fine_pieces.partition_point(|&start| start as usize <= node);
     }
     let mut order: Vec<u32> = (0..count as u32).collect();
-    order.sort_by_key(|&aggregate| (part_of[aggregate as usize], colours[aggregate as usize]));
+    order.sort_by_key(|&aggregate| (piece_of[aggregate as usize], colours[aggregate as usize]));
     let mut number = vec![0; count];
     for (i, &aggregate) in order.iter().enumerate() {
         number[aggregate as usize] = i as u32;
     }
-    let begins = |&i: &usize| i == 0 || part_of[order[i] as usize] != part_of[order[i - 1] as usize];
+    let begins = |&i: &usize| i == 0 || piece_of[order[i] as usize] != piece_of[order[i - 1] as usize];
     let starts = (0..count).filter(begins).map(|i| i as u32).collect();
     (aggregate_of.into_iter().map(|aggregate| number[aggregate as usize]).collect(), starts)
 }
