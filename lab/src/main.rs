@@ -53,6 +53,7 @@ mod tests {
             "lab bench --sizes 20,,32",
             "lab bench --sizes 100000",
             "lab bench --threads 0",
+            "lab bench --quality good",
             "lab bench --frames 0",
             "lab bench --repeat 0",
             "lab bench --parts sheets,flags",

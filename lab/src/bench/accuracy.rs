@@ -1,4 +1,4 @@
-//! How far from the truth a frame may be for what it costs: the default step against converged ones.
+//! How far from the truth a frame is for what it costs: against converged steps.
 
 use bevy_cloth::physics::{Cloth, Precision, SolverKind, SolverSettings};
 use indicatif::ProgressBar;
@@ -37,18 +37,19 @@ impl AccuracyRow {
 /// Runs a case; `converged` if its error is to be measured too, which takes long.
 pub fn measure(case: Case, converged: bool, progress: &ProgressBar) -> AccuracyRow {
     let sheet = Sheet::new(case.side, case.meshing);
-    let mut default = sheet.hang(SolverSettings::default());
-    let mut exact = sheet.hang(SolverSettings::reference());
+    let mut cloth = sheet.hang(case.quality.settings());
+    let substeps = case.quality.settings().substeps;
+    let mut exact = sheet.hang(SolverSettings { substeps, ..SolverSettings::reference() });
     let mut fine = converged.then(|| sheet.hang(fine_settings()));
     let (mut stretch, mut exact_stretch, mut squares) = (0.0, 0.0, 0.0);
     for _ in 0..FRAMES {
-        default.step(DT);
+        cloth.step(DT);
         exact.step(DT);
-        stretch += default.stretch().rms / f64::from(FRAMES);
+        stretch += cloth.stretch().rms / f64::from(FRAMES);
         exact_stretch += exact.stretch().rms / f64::from(FRAMES);
         if let Some(fine) = &mut fine {
             fine.step(DT);
-            squares += mean_square_distance(&default, fine) / f64::from(FRAMES);
+            squares += mean_square_distance(&cloth, fine) / f64::from(FRAMES);
         }
         progress.inc(1);
     }

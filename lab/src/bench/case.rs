@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::options::{Options, Part};
+use super::quality::Quality;
 use crate::scenes::Meshing;
 
 /// Cloths of one sheet, hung side by side.
@@ -16,12 +17,14 @@ pub struct Case {
     pub meshing: Meshing,
     /// Threads of the pool that they are stepped in.
     pub threads: usize,
+    /// How well they are solved.
+    pub quality: Quality,
 }
 
 impl Case {
     /// One cloth on one thread.
     pub const fn sheet(side: u32) -> Self {
-        Self { cloths: 1, side, meshing: Meshing::Grid, threads: 1 }
+        Self { cloths: 1, side, meshing: Meshing::Grid, threads: 1, quality: Quality::Default }
     }
 
     /// A hundred cloths of 20², on one thread.
@@ -45,7 +48,7 @@ impl Case {
                 Part::Plugin | Part::Accuracy => {}
             }
         }
-        without_repeats(cases)
+        without_repeats(cases, options)
     }
 
     /// The cases of the whole plugin.
@@ -54,7 +57,7 @@ impl Case {
             return Vec::new();
         }
         let threads = options.thread_count();
-        without_repeats(vec![Self::sheet(100), Self::CROWD, Self { threads, ..Self::CROWD }])
+        without_repeats([Self::sheet(100), Self::CROWD, Self { threads, ..Self::CROWD }], options)
     }
 
     /// The cases whose accuracy is measured.
@@ -63,7 +66,7 @@ impl Case {
             return Vec::new();
         }
         let sheets = options.sizes.iter().copied().map(Self::sheet);
-        without_repeats([Self::CONVERGED].into_iter().chain(sheets).collect())
+        without_repeats([Self::CONVERGED].into_iter().chain(sheets), options)
     }
 
     /// What the table calls it.
@@ -82,10 +85,10 @@ impl Case {
     }
 }
 
-/// Each case once, where it first stands.
-fn without_repeats(cases: Vec<Case>) -> Vec<Case> {
+/// Each case once, where it first stands, in the quality asked for.
+fn without_repeats(cases: impl IntoIterator<Item = Case>, options: &Options) -> Vec<Case> {
     let mut unique = Vec::new();
-    for case in cases {
+    for case in cases.into_iter().map(|case| Case { quality: options.quality, ..case }) {
         if !unique.contains(&case) {
             unique.push(case);
         }

@@ -7,6 +7,7 @@ pub mod accuracy;
 mod case;
 mod options;
 pub mod plugin;
+mod quality;
 pub mod solver;
 pub mod spmv;
 mod statistics;
@@ -21,6 +22,7 @@ use serde::Serialize;
 
 pub use case::Case;
 pub use options::{Options, Part};
+pub use quality::Quality;
 pub use statistics::Spread;
 
 use crate::report::JsonLines;
@@ -65,7 +67,7 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
     let mut accuracy_rows = Vec::new();
     for case in accuracy_cases {
         progress.set_message(format!("accuracy, {}", case.name()));
-        let row = pool(case.threads)?.install(|| accuracy::measure(case, case == Case::CONVERGED, &progress));
+        let row = pool(case.threads)?.install(|| accuracy::measure(case, case.side == Case::CONVERGED.side, &progress));
         record(Record::Accuracy(&row))?;
         accuracy_rows.push(row);
     }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::quality::Quality;
+
 /// Options of the bench.
 #[derive(Args, Clone, Debug)]
 pub struct Options {
@@ -20,6 +22,10 @@ pub struct Options {
     /// core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    /// How well the cloths are solved. The targets are for the default.
+    #[arg(long, value_name = "NAME", value_enum, default_value_t)]
+    pub quality: Quality,
 
     /// Frames of 1/60 s.
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]

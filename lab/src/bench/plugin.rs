@@ -7,7 +7,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::mesh::{Indices, MeshPlugin, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_cloth::plugin::{ClothMaterial, ClothMesh, ClothPins, ClothPlugin, ClothState, ClothSystems};
+use bevy_cloth::plugin::{ClothMaterial, ClothMesh, ClothPins, ClothPlugin, ClothSolver, ClothState, ClothSystems};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -115,6 +115,7 @@ fn app(case: Case) -> App {
             Mesh3d(mesh.clone()),
             ClothMesh::default(),
             ClothMaterial(fabric()),
+            ClothSolver(case.quality.settings()),
             ClothPins::indices(sheet.corners),
             // What a visible mesh has: writing back keeps it up to date.
             Aabb::default(),

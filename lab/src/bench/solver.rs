@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bevy_cloth::physics::{Cloth, SolverSettings, StepOutcome, StepReport};
+use bevy_cloth::physics::{Cloth, StepOutcome, StepReport};
 use cpu_time::ProcessTime;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -114,9 +114,9 @@ impl Run {
         // Room for the figures first: what is allocated from here on is cloth.
         let mut times = Frames::with_capacity(frames);
         let mut reports = Vec::with_capacity(case.cloths);
-        let mut yardstick = Yardstick::new(&sheet.hang(SolverSettings::default()));
+        let mut yardstick = Yardstick::new(&sheet.hang(case.quality.settings()));
         let before = live_bytes();
-        let mut cloths: Vec<_> = (0..case.cloths).map(|_| sheet.hang(SolverSettings::default())).collect();
+        let mut cloths: Vec<_> = (0..case.cloths).map(|_| sheet.hang(case.quality.settings())).collect();
         let (mut iterations, mut fallbacks, mut rejected, mut fall) = (0, 0, 0, None);
         for frame in 1..=frames {
             let (start, cpu_start) = (Instant::now(), ProcessTime::now());

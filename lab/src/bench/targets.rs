@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::accuracy::AccuracyRow;
 use super::case::Case;
 use super::plugin::PluginRow;
+use super::quality::Quality;
 use super::solver::SolverRow;
 use crate::report::{Table, figure};
 use crate::scenes::Meshing;
@@ -78,11 +79,12 @@ pub fn verdicts(rows: &[SolverRow], plugin: &[PluginRow], accuracy: &[AccuracyRo
         verdicts.push(Verdict::at_most("memory: bytes per vertex, the most", 1500.0, bytes));
     }
     for row in accuracy {
-        if let Some(error) = row.error_m {
+        if let Some(error) = row.error_m.filter(|_| row.case == Case::CONVERGED) {
             verdicts.push(Verdict::at_most(format!("{}: error over half a second, m", row.case.name()), 1.5e-2, error));
         }
     }
-    if let Some(error) = accuracy.iter().map(AccuracyRow::stretch_error).reduce(f64::max) {
+    let judged = accuracy.iter().filter(|row| row.case.quality == Quality::Default);
+    if let Some(error) = judged.map(AccuracyRow::stretch_error).reduce(f64::max) {
         verdicts.push(Verdict::at_most("RMS stretch against exact solves, the worst", 0.02, error));
     }
     verdicts

@@ -9,8 +9,8 @@ use crate::physics::math::{Kernel, M3, Oct, Padded, ROWS, RowKernel, Scalar, dis
 
 /// A = L + D + Lᵀ: the diagonal, and the lower half. One pass over L serves both halves.
 ///
-/// Blocks are added to the matrix one by one, but it is multiplied [`ROWS`] rows at once. So there are two stages: after
-/// [`BlockCsr::clear`] each block stands on its own, after [`BlockCsr::interleave`] the entries of a group stand side by side.
+/// Blocks are added to the matrix one by one, but it is multiplied [`ROWS`] rows at once. So there are two stages: while it is
+/// filled each block stands on its own, after [`BlockCsr::interleave`] the entries of a group stand side by side.
 #[derive(Clone, Debug)]
 pub struct BlockCsr<T> {
     pattern: Arc<BlockPattern>,

@@ -1,6 +1,6 @@
 //! The blocks of eight rows, one of each.
 
-use crate::physics::math::{Flat, M3, Oct, Quad, ROWS, Scalar};
+use crate::physics::math::{M3, Oct, Quad, ROWS, Scalar};
 
 /// Entries of a block.
 const ENTRIES: usize = 9;
@@ -48,18 +48,6 @@ impl<T: Scalar> Group<T> {
         }
     }
 
-    /// Adds to one of the blocks.
-    #[inline(always)]
-    pub fn add(&mut self, lane: usize, block: Flat<T>) {
-        let entries: &mut [T; ENTRIES] = self.0[ENTRIES * lane..].first_chunk_mut().expect("a block has 9 entries");
-        let [a, b, c, d, e, f, g, h, i] = *entries;
-        let first = (T::Quad::new([a, b, c, d]) + block.0).lanes();
-        let second = (T::Quad::new([e, f, g, h]) + block.1).lanes();
-        entries[0..4].copy_from_slice(&first);
-        entries[4..8].copy_from_slice(&second);
-        entries[8] = i + block.2;
-    }
-
     /// Brings the entries of all blocks side by side.
     #[inline(always)]
     pub fn interleave(&mut self) {
@@ -99,38 +87,41 @@ impl<T: Scalar> Group<T> {
         self.0[ROWS * (3 * row + column)..].first_chunk().expect("there are so many rows")
     }
 
+    /// A row of entries, interleaved.
+    #[inline(always)]
+    fn row<S: Oct<T>>(&self, s: S, row: usize) -> [S::V; 3] {
+        [s.load(self.entry(row, 0)), s.load(self.entry(row, 1)), s.load(self.entry(row, 2))]
+    }
+
     /// `sum + B x`, block by block.
     #[inline(always)]
-    pub fn mul_add<S: Oct<T>>(&self, s: S, x: [S::V; 3], mut sum: [S::V; 3]) -> [S::V; 3] {
-        for row in 0..3 {
-            for column in 0..3 {
-                sum[row] = s.mul_add(s.load(self.entry(row, column)), x[column], sum[row]);
-            }
+    pub fn mul_add<S: Oct<T>>(&self, s: S, [x, y, z]: [S::V; 3], mut sum: [S::V; 3]) -> [S::V; 3] {
+        for (row, sum) in sum.iter_mut().enumerate() {
+            let [a, b, c] = self.row(s, row);
+            *sum = s.mul_add(c, z, s.mul_add(b, y, s.mul_add(a, x, *sum)));
         }
         sum
     }
 
     /// `sum − B x`, block by block.
     #[inline(always)]
-    pub fn mul_sub<S: Oct<T>>(&self, s: S, x: [S::V; 3], mut sum: [S::V; 3]) -> [S::V; 3] {
-        for row in 0..3 {
-            for column in 0..3 {
-                sum[row] = s.mul_sub(s.load(self.entry(row, column)), x[column], sum[row]);
-            }
+    pub fn mul_sub<S: Oct<T>>(&self, s: S, [x, y, z]: [S::V; 3], mut sum: [S::V; 3]) -> [S::V; 3] {
+        for (row, sum) in sum.iter_mut().enumerate() {
+            let [a, b, c] = self.row(s, row);
+            *sum = s.mul_sub(c, z, s.mul_sub(b, y, s.mul_sub(a, x, *sum)));
         }
         sum
     }
 
     /// `Bᵀ x`, block by block.
     #[inline(always)]
-    pub fn transposed_mul<S: Oct<T>>(&self, s: S, x: [S::V; 3]) -> [S::V; 3] {
-        let mut sum = [s.splat(T::zero()); 3];
-        for column in 0..3 {
-            let first = s.mul(s.load(self.entry(0, column)), x[0]);
-            let second = s.mul_add(s.load(self.entry(1, column)), x[1], first);
-            sum[column] = s.mul_add(s.load(self.entry(2, column)), x[2], second);
-        }
-        sum
+    pub fn transposed_mul<S: Oct<T>>(&self, s: S, [x, y, z]: [S::V; 3]) -> [S::V; 3] {
+        let ([a, b, c], [d, e, f], [g, h, i]) = (self.row(s, 0), self.row(s, 1), self.row(s, 2));
+        [
+            s.mul_add(g, z, s.mul_add(d, y, s.mul(a, x))),
+            s.mul_add(h, z, s.mul_add(e, y, s.mul(b, x))),
+            s.mul_add(i, z, s.mul_add(f, y, s.mul(c, x))),
+        ]
     }
 }
 
@@ -149,12 +140,30 @@ mod tests {
         M3(core::array::from_fn(|r| core::array::from_fn(|c| (100 * lane + 10 * r + c) as f32)))
     }
 
+    /// Adds to each block what another group has in its place.
+    struct Sums<'a>(&'a mut Group<f32>, &'a Group<f32>);
+
+    impl RowKernel<f32> for Sums<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Oct<f32>>(self, s: S) {
+            for lane in 0..ROWS {
+                let (first, last) = self.1.entries(s, lane);
+                self.0.accumulate(s, lane, first, last);
+            }
+        }
+    }
+
     #[test]
     fn blocks_are_kept_added_to_and_interleaved() {
-        let mut group = Group::zero();
+        let (mut group, mut other) = (Group::zero(), Group::zero());
         for lane in 0..ROWS {
             group.set_block(lane, block(lane));
-            group.add(lane, block(1).flat());
+            other.set_block(lane, block(1));
+        }
+        f32::dispatch(Sums(&mut group, &other));
+        for lane in 0..ROWS {
             assert_eq!(group.block(lane), block(lane) + block(1));
         }
         group.interleave();

@@ -142,8 +142,8 @@ impl BlockPattern {
     /// Adds a slice of these rows, of the part that begins at `part_start`.
     fn push_slice(&mut self, part_start: u32, first_row: u32, rows: &[Vec<(u32, bool)>]) {
         let crossing = |row: &Vec<(u32, bool)>| row.partition_point(|&(column, _)| column < part_start);
-        let most = |count: &dyn Fn(&Vec<(u32, bool)>) -> usize| rows.iter().map(count).max().unwrap_or(0);
-        let (crossing_groups, inner_groups) = (most(&crossing), most(&|row| row.len() - crossing(row)));
+        let crossing_groups = rows.iter().map(crossing).max().unwrap_or(0);
+        let inner_groups = rows.iter().map(|row| row.len() - crossing(row)).max().unwrap_or(0);
         let first_crossing = self.columns.len();
         let inner = first_crossing + crossing_groups;
         let end = inner + inner_groups;

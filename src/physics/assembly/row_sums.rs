@@ -5,7 +5,7 @@
 //! zero as they can be, which assembled diagonals miss by the rounding of each element.
 
 use super::{BlockPattern, Group, Part};
-use crate::physics::math::{Flat, Kernel, ROWS, Scalar};
+use crate::physics::math::{Oct, ROWS, RowKernel, Scalar};
 
 /// Fills the diagonal blocks of a part, which hold the inertia already.
 pub(super) struct SubtractRows<'a, T: Scalar> {
@@ -16,31 +16,34 @@ pub(super) struct SubtractRows<'a, T: Scalar> {
     pub diagonal: &'a mut [Group<T>],
 }
 
-impl<T: Scalar> Kernel for SubtractRows<'_, T> {
+impl<T: Scalar> RowKernel<T> for SubtractRows<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run<S: Oct<T>>(self, s: S) {
         let Self { pattern, part, lower, diagonal } = self;
-        let first = part.slices.start;
+        let first_slice = part.slices.start;
+        let zero = s.splat(T::zero());
         for row in part.rows.clone() {
             let own = pattern.diagonal(row);
-            let mut sum = Flat::zero();
+            let mut sum = (zero, T::zero());
             for slot in pattern.row(row) {
-                let block = lower[slot / ROWS].block(slot % ROWS).flat();
-                sum = sum - block;
+                let (first, last) = lower[slot / ROWS].entries(s, slot % ROWS);
+                sum = (s.sub(sum.0, first), sum.1 - last);
                 let column = pattern.column(slot) as usize;
                 if column >= part.rows.start {
                     let other = pattern.diagonal(column);
-                    diagonal[other / ROWS - first].add(other % ROWS, -block.transpose());
+                    let transposed = s.transpose_block(s.sub(zero, first));
+                    diagonal[other / ROWS - first_slice].accumulate(s, other % ROWS, transposed, -last);
                 }
             }
-            diagonal[own / ROWS - first].add(own % ROWS, sum);
+            diagonal[own / ROWS - first_slice].accumulate(s, own % ROWS, sum.0, sum.1);
         }
         for crossing in &pattern.incoming()[part.incoming.clone()] {
             let (slot, other) = (crossing.slot as usize, pattern.diagonal(crossing.column as usize));
-            let block = lower[slot / ROWS].block(slot % ROWS).flat();
-            diagonal[other / ROWS - first].add(other % ROWS, -block.transpose());
+            let (first, last) = lower[slot / ROWS].entries(s, slot % ROWS);
+            let transposed = s.transpose_block(s.sub(zero, first));
+            diagonal[other / ROWS - first_slice].accumulate(s, other % ROWS, transposed, -last);
         }
     }
 }

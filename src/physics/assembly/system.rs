@@ -14,7 +14,7 @@ use super::triangles::Triangles;
 use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Padded, ROWS, Scalar, dispatch};
+use crate::physics::math::{M3, Padded, ROWS, Scalar};
 use crate::physics::mesh::RestShape;
 
 /// Elastic energy by term, J.
@@ -140,7 +140,7 @@ impl<T: Scalar> System<T> {
         );
         let (diagonal, lower) = matrix.diagonal_and_lower();
         for_parts(pattern.parts(), diagonal, &|part: &Part, BySlice(diagonal)| {
-            dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
+            T::dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
         });
     }
 }

@@ -53,32 +53,34 @@ impl<T: Scalar> Triangles<T> {
         self.constants = constants(fabric);
     }
 
-    /// Rest state and constants of a batch.
+    /// Rest state of a batch.
     #[inline(always)]
-    fn rest<S: Oct<T>>(&self, s: S, batch: usize) -> (Rest<Lanes<T, S>>, Orthotropic<Lanes<T, S>>) {
+    fn rest<S: Oct<T>>(&self, s: S, batch: usize) -> Rest<Lanes<T, S>> {
         let Rest { dm_inverse: [[u1, v1], [u2, v2]], area } = &self.rest[batch];
         let area = Lanes::load(s, area);
-        let dm_inverse = [[area.like(u1), area.like(v1)], [area.like(u2), area.like(v2)]];
-        let Orthotropic { k0, k1, k2, k3 } = self.constants;
-        let constants = Orthotropic { k0: area.splat(k0), k1: area.splat(k1), k2: area.splat(k2), k3: area.splat(k3) };
-        (Rest { dm_inverse, area }, constants)
+        Rest { dm_inverse: [[area.like(u1), area.like(v1)], [area.like(u2), area.like(v2)]], area }
     }
 
-    /// The edges, and the Green strain.
+    /// Constants, of as many elements as `like`.
     #[inline(always)]
-    fn edges<S: Oct<T>>(
+    fn constants<S: Oct<T>>(&self, like: Lanes<T, S>) -> Orthotropic<Lanes<T, S>> {
+        let Orthotropic { k0, k1, k2, k3 } = self.constants;
+        Orthotropic { k0: like.splat(k0), k1: like.splat(k1), k2: like.splat(k2), k3: like.splat(k3) }
+    }
+
+    /// The Green strain, from edges in f64.
+    #[inline(always)]
+    fn strain<S: Oct<T>>(
         &self,
         s: S,
         batch: usize,
         rest: &Rest<Lanes<T, S>>,
-        x: &[Padded<f64>],
-    ) -> ([V3<Lanes<T, S>>; 2], Strain<Lanes<T, S>>) {
-        let [e1, e2] = self.batches.edges(s.wide(), batch, x);
+        edges: [V3<Lanes<f64, S::Wide>>; 2],
+    ) -> Strain<Lanes<T, S>> {
         let [g11, g22, g12] = &self.rest_grams[batch];
         let rest_gram = [Lanes::load(s.wide(), g11), Lanes::load(s.wide(), g22), Lanes::load(s.wide(), g12)];
-        let [g11, g22, g12] = membrane::half_gram_change([e1, e2], rest_gram);
-        let strain = rest.green_strain([Lanes::narrow(s, g11), Lanes::narrow(s, g22), Lanes::narrow(s, g12)]);
-        ([V3::narrow(s, e1), V3::narrow(s, e2)], strain)
+        let [g11, g22, g12] = membrane::half_gram_change(edges, rest_gram);
+        rest.green_strain([Lanes::narrow(s, g11), Lanes::narrow(s, g22), Lanes::narrow(s, g12)])
     }
 }
 
@@ -89,16 +91,19 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
 
     #[inline(always)]
     fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S> {
-        let (rest, constants) = self.rest(s, batch);
-        membrane::energy(&rest, &constants, &self.edges(s, batch, &rest, x).1)
+        let rest = self.rest(s, batch);
+        let strain = self.strain(s, batch, &rest, self.batches.edges(s.wide(), batch, x));
+        membrane::energy(&rest, &self.constants(rest.area), &strain)
     }
 
     #[inline(always)]
     fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
-        let (rest, k) = self.rest(s, batch);
+        let rest = self.rest(s, batch);
+        let k = self.constants(rest.area);
         let (material, geometric) = (rest.area.splat(at.material), rest.area.splat(at.geometric));
-        let (edges, strain) = self.edges(s, batch, &rest, at.x);
-        let w = rest.deformation(edges);
+        let [e1, e2] = self.batches.edges(s.wide(), batch, at.x);
+        let strain = self.strain(s, batch, &rest, [e1, e2]);
+        let w = rest.deformation([V3::narrow(s, e1), V3::narrow(s, e2)]);
         let stress = k.stress(&strain);
         let projected = match at.projection {
             Projection::PositivePart => stress.positive_part(),

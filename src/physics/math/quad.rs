@@ -251,74 +251,6 @@ impl<T: Scalar> M3<T> {
         let rows = quad::<T, 0>(self) * T::Quad::new([x0; 4]) + quad::<T, 3>(self) * T::Quad::new([x1; 4]);
         Padded(rows + T::Quad::new([c0, c1, c2, T::zero()]))
     }
-
-    /// Adds a block.
-    #[inline(always)]
-    pub fn accumulate(&mut self, block: Flat<T>) {
-        let sum = (quad::<T, 0>(self) + block.0, quad::<T, 4>(self) + block.1);
-        let entries = self.0.as_flattened_mut();
-        entries[0..4].copy_from_slice(&sum.0.lanes());
-        entries[4..8].copy_from_slice(&sum.1.lanes());
-        entries[8] += block.2;
-    }
-
-    /// The block as 4 + 4 + 1 numbers.
-    #[inline(always)]
-    pub fn flat(&self) -> Flat<T> {
-        Flat(quad::<T, 0>(self), quad::<T, 4>(self), self.0[2][2])
-    }
-}
-
-/// A block as 4 + 4 + 1 numbers, by rows.
-#[derive(Clone, Copy, Debug)]
-pub struct Flat<T: Scalar>(pub T::Quad, pub T::Quad, pub T);
-
-impl<T: Scalar> Flat<T> {
-    /// The zero block.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        M3::zero().flat()
-    }
-
-    /// The transpose.
-    #[inline(always)]
-    pub fn transpose(self) -> Self {
-        let ([a, b, c, d], [e, f, g, h]) = (self.0.lanes(), self.1.lanes());
-        Self(T::Quad::new([a, d, g, b]), T::Quad::new([e, h, c, f]), self.2)
-    }
-}
-
-impl<T: Scalar> Add for Flat<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        Self(self.0 + o.0, self.1 + o.1, self.2 + o.2)
-    }
-}
-
-impl<T: Scalar> Sub for Flat<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        Self(self.0 - o.0, self.1 - o.1, self.2 - o.2)
-    }
-}
-
-impl<T: Scalar> Neg for Flat<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self::zero() - self
-    }
-}
-
-impl<T: Scalar> Mul<T> for Flat<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, s: T) -> Self {
-        let quad = T::Quad::new([s; 4]);
-        Self(self.0 * quad, self.1 * quad, self.2 * s)
-    }
 }
 
 #[cfg(test)]
@@ -338,13 +270,5 @@ mod tests {
         sums.add(&A.transpose(), x);
         assert_eq!(sums.total(), Padded::new((A.mul_vector(V3(X)) + A.transpose().mul_vector(V3(X))).0));
         assert_eq!(A.transposed_times(x).truncated().0.lanes()[3], 0.0);
-    }
-
-    #[test]
-    fn flat_blocks_add_scale_and_transpose() {
-        let mut sum = M3::zero();
-        sum.accumulate(A.flat() * 2.0);
-        sum.accumulate(A.flat().transpose() + A.flat());
-        assert_eq!(sum, A * 3.0 + A.transpose());
     }
 }

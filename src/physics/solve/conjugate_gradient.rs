@@ -96,7 +96,13 @@ impl<T: Scalar> Vectors<'_, T> {
     ) -> Result<Solved, Breakdown> {
         let Self { r, z, p, ap } = self;
         let parts = a.pattern().parts();
-        a.multiply(d, ap);
+        // Most guesses are no more than where the pins go, and nothing is coupled with these.
+        let still = d.iter().zip(&a.fixed).all(|(&d, &fixed)| fixed || d == Padded::zero());
+        if still {
+            ap.copy_from_slice(d);
+        } else {
+            a.multiply(d, ap);
+        }
         for_parts(parts, (&mut **r, &mut **ap), &|part: &Part, (r, ap)| {
             for ((r, &b), ap) in r.iter_mut().zip(&b[part.rows.clone()]).zip(ap) {
                 *r = b - *ap;

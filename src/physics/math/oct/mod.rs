@@ -57,8 +57,8 @@ pub trait Oct<T: Scalar>: Copy + Send + Sync + 'static {
     fn transpose_block(self, first: Self::V) -> Self::V;
 }
 
-/// A computation over eight rows at once, compiled once for each instruction set. As with [`Kernel`], `run` and what it
-/// calls in its hot loops must be `#[inline(always)]`.
+/// A computation over eight rows at once, compiled once for each instruction set. `run` and what it calls in its hot loops
+/// must be `#[inline(always)]`: only what is inlined is compiled anew.
 pub trait RowKernel<T: Scalar> {
     /// What it computes.
     type Output;
