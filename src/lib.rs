@@ -26,8 +26,9 @@
 //!
 //! 1. [`physics::mesh`]: triangle mesh → [`RestShape`](physics::RestShape): welded vertices, triangles with warp and weft,
 //!    hinges.
-//! 2. [`physics::energy`]: one file per energy, written over a number type: f64, or several f32 elements side by side.
-//! 3. [`physics::assembly`]: batches of elements → the system A d = b of an implicit step.
+//! 2. [`physics::energy`]: one file per energy, written over a number type: one number, or eight elements side by side.
+//! 3. [`physics::assembly`]: vertices in an order that suits the solver, elements in batches → the system A d = b of an implicit
+//!    step.
 //! 4. [`physics::solve`]: solvers of that system.
 //! 5. [`physics::Cloth`]: state and step. All of `physics` works without an App.
 //! 6. [`plugin`]: the ECS side: reads meshes, carries transforms and pins in, steps all cloths, writes meshes back; it says

@@ -1,6 +1,6 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
-//! One folder per subcommand ([`mod@bench`]), beside what they share: [`scenes`] that others have measured too, the
+//! One folder per subcommand ([`mod@bench`], [`validate`]), beside what they share: [`scenes`] that others have measured too, the
 //! [`matrix`] of a cloth, [`memory`] in use, and [`report`]s as tables and JSON.
 
 #![warn(missing_docs)]
@@ -10,3 +10,4 @@ pub mod matrix;
 pub mod memory;
 pub mod report;
 pub mod scenes;
+pub mod validate;

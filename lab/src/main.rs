@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::bench;
+use lab::{bench, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -18,11 +18,14 @@ enum Command {
     /// What a frame costs: a sheet hung by two corners in many sizes, a hundred cloths, irregular meshes, the whole
     /// plugin.
     Bench(bench::Options),
+    /// Is it right: cloths with an answer that is known without us. Status 1 if one is off by more than its tolerance.
+    Validate(validate::Options),
 }
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Bench(options) => bench::run(&options),
+        Command::Validate(options) => validate::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -57,6 +60,7 @@ mod tests {
             "lab bench --frames 0",
             "lab bench --repeat 0",
             "lab bench --parts sheets,flags",
+            "lab validate --cases magic",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");

@@ -181,7 +181,7 @@ impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
         for crossing in &pattern.incoming()[part.incoming.clone()] {
             let slot = crossing.slot as usize;
             let block = a.group(slot / ROWS).interleaved_block(slot % ROWS);
-            y[crossing.column as usize - first] += block.transposed_times(x[crossing.row as usize]).truncated();
+            y[crossing.column as usize - first] += block.transposed_times(x[crossing.row as usize]);
         }
         product.total()
     }

@@ -46,7 +46,7 @@ impl Constraints {
             if !self.pinned[row] {
                 b[row] -= block.times(prescribed(column));
             } else if !self.pinned[column] {
-                b[column] -= block.transposed_times(prescribed(row)).truncated();
+                b[column] -= block.transposed_times(prescribed(row));
             }
         }
         for row in self.rows.iter().map(|&row| row as usize) {

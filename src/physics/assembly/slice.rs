@@ -53,20 +53,6 @@ pub(crate) fn scatter_add<T: Scalar, S: Oct<T>>(
     }
 }
 
-/// Takes from the rows of these columns.
-#[inline(always)]
-pub(crate) fn scatter_sub<T: Scalar, S: Oct<T>>(
-    s: S,
-    columns: &[u32; ROWS],
-    first: usize,
-    xyz: [S::V; 3],
-    y: &mut [Padded<T>],
-) {
-    for (&column, row) in columns.iter().zip(s.turn_back(xyz)) {
-        y[column as usize - first] -= row;
-    }
-}
-
 /// `Σ xᵀ y` under way, in f64.
 pub(crate) struct Sum([f64; ROWS]);
 

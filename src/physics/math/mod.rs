@@ -15,7 +15,7 @@ mod vector;
 pub use lanes::{Lanes, Pack};
 pub use matrix::M3;
 pub use oct::{Oct, ROWS, RowKernel};
-pub use quad::{DotSum, Padded, Quad, RowSums};
+pub use quad::{Padded, Quad, RowSums};
 pub use real::{Real, Scalar};
 pub(crate) use simd::{Kernel, dispatch};
 pub use vector::V3;

@@ -26,8 +26,6 @@ pub trait Quad<T>:
     fn new(lanes: [T; 4]) -> Self;
     /// Its lanes.
     fn lanes(self) -> [T; 4];
-    /// In double precision.
-    fn widen(self) -> f64x4;
     /// The first lanes of four, the second ones, and so on.
     fn transpose(four: [Self; 4]) -> [Self; 4];
     /// Square roots.
@@ -48,11 +46,6 @@ macro_rules! impl_quad {
                 self.to_array()
             }
             #[inline(always)]
-            fn widen(self) -> f64x4 {
-                let [a, b, c, d] = self.to_array();
-                f64x4::new([a.into(), b.into(), c.into(), d.into()])
-            }
-            #[inline(always)]
             fn transpose(four: [Self; 4]) -> [Self; 4] {
                 <$quad>::transpose(four)
             }
@@ -71,7 +64,7 @@ macro_rules! impl_quad {
 impl_quad!(f32x4, f32);
 impl_quad!(f64x4, f64);
 
-/// A 3-vector in four lanes. The last one is zero, but for sums under way: [`Padded::truncated`] ends them.
+/// A 3-vector in four lanes, of which the last one is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct Padded<T: Scalar>(pub T::Quad);
@@ -116,7 +109,7 @@ impl<T: Scalar> Padded<T> {
 
     /// The same with zero in the last lane, whatever was there.
     #[inline(always)]
-    pub fn truncated(self) -> Self {
+    fn truncated(self) -> Self {
         Self::new(self.v3().0)
     }
 }
@@ -164,31 +157,6 @@ impl<T: Scalar> SubAssign for Padded<T> {
     #[inline(always)]
     fn sub_assign(&mut self, o: Self) {
         *self = *self - o;
-    }
-}
-
-/// `Σ xᵀ y` under way, in f64.
-#[derive(Clone, Copy, Debug)]
-pub struct DotSum(f64x4);
-
-impl DotSum {
-    /// Nothing yet.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        Self(f64x4::ZERO)
-    }
-
-    /// Adds `xᵀ y`; the last lane of one of them must be zero.
-    #[inline(always)]
-    pub fn add<T: Scalar>(&mut self, x: Padded<T>, y: Padded<T>) {
-        self.0 += x.0.widen() * y.0.widen();
-    }
-
-    /// The sum.
-    #[inline(always)]
-    pub fn total(self) -> f64 {
-        let [a, b, c, d] = self.0.to_array();
-        (a + b) + (c + d)
     }
 }
 
@@ -243,13 +211,13 @@ impl<T: Scalar> M3<T> {
         sums.total()
     }
 
-    /// `Bᵀ x`. The last lane of the result is not zero.
+    /// `Bᵀ x`, for one block alone.
     #[inline(always)]
     pub fn transposed_times(&self, x: Padded<T>) -> Padded<T> {
         let [x0, x1, x2, _] = x.0.lanes();
         let [_, c0, c1, c2] = (quad::<T, 5>(self) * T::Quad::new([x2; 4])).lanes();
         let rows = quad::<T, 0>(self) * T::Quad::new([x0; 4]) + quad::<T, 3>(self) * T::Quad::new([x1; 4]);
-        Padded(rows + T::Quad::new([c0, c1, c2, T::zero()]))
+        Padded(rows + T::Quad::new([c0, c1, c2, T::zero()])).truncated()
     }
 }
 
@@ -269,6 +237,6 @@ mod tests {
         sums.add(&A, x);
         sums.add(&A.transpose(), x);
         assert_eq!(sums.total(), Padded::new((A.mul_vector(V3(X)) + A.transpose().mul_vector(V3(X))).0));
-        assert_eq!(A.transposed_times(x).truncated().0.lanes()[3], 0.0);
+        assert_eq!(A.transposed_times(x).0.lanes()[3], 0.0);
     }
 }

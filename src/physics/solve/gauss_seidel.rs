@@ -192,7 +192,7 @@ impl<T: Scalar> RowKernel<T> for Across<'_, T> {
         for crossing in &pattern.incoming()[part.incoming.clone()] {
             let slot = crossing.slot as usize;
             let block = a.group(slot / ROWS).interleaved_block(slot % ROWS);
-            let product = block.transposed_times(z[crossing.row as usize]).truncated();
+            let product = block.transposed_times(z[crossing.row as usize]);
             out[crossing.column as usize - first] -= product;
         }
     }
@@ -257,8 +257,10 @@ fn scatter_left<T: Scalar, S: Oct<T>>(
     solved: [S::V; 3],
     out: &mut [Padded<T>],
 ) {
+    let zero = s.splat(T::zero());
+    let negative = [s.sub(zero, solved[0]), s.sub(zero, solved[1]), s.sub(zero, solved[2])];
     for group in slice.inner as usize..slice.end as usize {
-        let product = a.group(group).transposed_mul(s, solved);
-        slice::scatter_sub(s, a.pattern().columns(group), first, product, out);
+        let product = a.group(group).transposed_mul(s, negative);
+        slice::scatter_add(s, a.pattern().columns(group), first, product, out);
     }
 }

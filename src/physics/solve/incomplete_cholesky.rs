@@ -178,8 +178,7 @@ impl<T: Scalar> Kernel for Apply<'_, T> {
         let mut product = 0.0;
         for row in (0..r.len()).rev() {
             let range = starts[row] as usize..starts[row + 1] as usize;
-            let solved = z[row].truncated();
-            z[row] = solved;
+            let solved = z[row];
             product += r[row].dot_f64(solved);
             for (block, &column) in lower[range.clone()].iter().zip(&columns[range]) {
                 z[column as usize] -= block.transposed_times(solved);
