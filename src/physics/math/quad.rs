@@ -3,7 +3,7 @@
 //! Matrices keep their 3×3 blocks as 9 numbers in a row, vectors keep 3 numbers and a fourth that is zero.
 
 use core::fmt::Debug;
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Div, Mul, Sub, SubAssign};
 
 use wide::{f32x4, f64x4};
 
@@ -127,14 +127,6 @@ impl<T: Scalar> Sub for Padded<T> {
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
         Self(self.0 - o.0)
-    }
-}
-
-impl<T: Scalar> Neg for Padded<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self::zero() - self
     }
 }
 
