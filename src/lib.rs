@@ -44,7 +44,9 @@ pub mod plugin;
 
 /// What a game needs.
 pub mod prelude {
-    pub use crate::physics::{Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings};
+    pub use crate::physics::{
+        BendingModel, Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings,
+    };
     pub use crate::plugin::{
         ATTRIBUTE_CLOTH_PIN, ClothDiagnosticsPlugin, ClothDisabled, ClothError, ClothGravity, ClothMaterial, ClothMesh,
         ClothPinTargets, ClothPins, ClothPlugin, ClothReset, ClothSolver, ClothState, ClothSystems, PinChannel,

@@ -14,5 +14,5 @@ pub use cloth::{
     Cloth, ClothFault, Energy, Integrator, Precision, SettingsError, SolverSettings, StepOutcome, StepReport, Stretch,
 };
 pub use material::{Fabric, MaterialError};
-pub use mesh::{MeshError, RestShape, RestShapeOptions, SurfaceMesh};
+pub use mesh::{BendingModel, MeshError, RestShape, RestShapeOptions, SurfaceMesh};
 pub use solve::{PreconditionerKind, SolverKind};

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::error::ClothError;
 use super::material::ClothMaterial;
 use super::pins::ClothPins;
-use crate::physics::{RestShapeOptions, SolverSettings};
+use crate::physics::{BendingModel, RestShapeOptions, SolverSettings};
 
 /// Makes the mesh of this entity's [`Mesh3d`] cloth.
 ///
@@ -31,6 +31,8 @@ pub struct ClothMesh {
     pub warp_angle: f32,
     /// The fabric is flat at rest: folds modelled into the mesh try to open.
     pub rest_flat: bool,
+    /// How it bends: the rigidity of the fabric whatever the mesh, or at the least cost.
+    pub bending: BendingModel,
     /// A pinned or free cloth whose transform moves it further than this in one step is carried along as it is, with its
     /// folds, instead of being dragged, m. Infinity: never.
     pub teleport_distance: f32,
@@ -38,7 +40,14 @@ pub struct ClothMesh {
 
 impl Default for ClothMesh {
     fn default() -> Self {
-        Self { weld_distance: None, warp_from_uvs: true, warp_angle: 0.0, rest_flat: false, teleport_distance: 2.0 }
+        Self {
+            weld_distance: None,
+            warp_from_uvs: true,
+            warp_angle: 0.0,
+            rest_flat: false,
+            bending: BendingModel::default(),
+            teleport_distance: 2.0,
+        }
     }
 }
 
@@ -64,6 +73,7 @@ impl ClothMesh {
             warp_from_uvs: self.warp_from_uvs,
             warp_angle: self.warp_angle.into(),
             rest_flat: self.rest_flat,
+            bending: self.bending,
         }
     }
 }

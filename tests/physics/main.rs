@@ -2,6 +2,7 @@
 
 mod analytic;
 mod assembly;
+mod bending;
 mod derivatives;
 mod determinism;
 mod meshes;

@@ -113,6 +113,13 @@ pub(super) struct PartBatches {
     all: Range<usize>,
 }
 
+impl PartBatches {
+    /// The batches of the elements whose last vertex is in the part.
+    pub fn own(&self) -> Range<usize> {
+        self.own.clone()
+    }
+}
+
 /// How far apart in their order the elements of a batch are: neighbours would add to the same sums, one waiting for the other.
 const APART: usize = 8;
 

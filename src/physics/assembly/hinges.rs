@@ -1,12 +1,14 @@
 //! The bending elements of a cloth.
 
 use super::BlockPattern;
-use super::batch::{Batches, Elements, Output, PartBatches, pack};
+use super::batch::{self, Batches, Elements, Output, PartBatches, pack};
 use super::implicit_step::Linearisation;
+use super::mid_edges::MidEdges;
+use super::parts::{Part, for_parts};
 use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, Scalar, V3};
-use crate::physics::mesh::RestShape;
+use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar, V3};
+use crate::physics::mesh::{BendingModel, Hinge, RestShape};
 
 /// All hinges, in batches.
 pub(super) struct Hinges<T> {
@@ -17,11 +19,19 @@ pub(super) struct Hinges<T> {
     /// By batch: a bit for each pair of vertices (i, j) of each hinge, set if i is the row of its block below the diagonal, and
     /// not j.
     rows_first: Vec<[u8; ROWS]>,
+    /// Where the moments come from, if not from each hinge alone.
+    mid_edges: Option<MidEdges<T>>,
+}
+
+/// Rest state and stiffness of a hinge.
+pub(super) fn rest(hinge: &Hinge, fabric: &Fabric) -> Rest<f64> {
+    let bending = fabric.bending_along(hinge.direction);
+    Rest::new(bending, hinge.length, hinge.height, hinge.double_areas, hinge.rest_angle)
 }
 
 impl<T: Scalar> Hinges<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], rank: &[u32], pattern: &BlockPattern) -> Self {
-        let vertices: Vec<_> = shape.hinges.iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
+        let vertices: Vec<_> = shape.bending_hinges().iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
         let (batches, sources) = Batches::new(&vertices, pattern, rank);
         let bits = |&source: &u32| {
             let Some(vertices) = vertices.get(source as usize) else { return 0 };
@@ -29,16 +39,23 @@ impl<T: Scalar> Hinges<T> {
         };
         let rows_first =
             sources.chunks_exact(ROWS).map(|batch| core::array::from_fn(|lane| bits(&batch[lane]))).collect();
-        let mut hinges = Self { batches, rest: Vec::new(), sources, rows_first };
+        let own = batches.parts().iter().map(PartBatches::own);
+        let mid_edges = match shape.bending {
+            BendingModel::MidEdge => Some(MidEdges::new(shape, inner, own, &sources)),
+            BendingModel::Hinge | BendingModel::None => None,
+        };
+        let mut hinges = Self { batches, rest: Vec::new(), sources, rows_first, mid_edges };
         hinges.set_fabric(shape, fabric);
         hinges
     }
 
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
+        let bounds = self.mid_edges.as_mut().map(|mid_edges| mid_edges.set_fabric(shape, fabric));
         let rest = |i: usize| {
-            let h = &shape.hinges[i];
-            Rest::new(fabric.bending_along(h.direction), h.length, h.height, h.double_areas, h.rest_angle)
+            let rest = rest(&shape.hinges[i], fabric);
+            let stiffness = bounds.as_ref().map_or(rest.stiffness, |bounds| 0.5 * bounds[i]);
+            Rest { stiffness, ..rest }
         };
         // A filler has no stiffness, so no energy, force or Hessian.
         let stiffness = pack::<T>(&self.sources, 0.0, |i| rest(i).stiffness);
@@ -67,6 +84,85 @@ impl<T: Scalar> Hinges<T> {
     }
 }
 
+impl<T: Scalar> Hinges<T> {
+    /// Elastic energy at `x`, J.
+    pub fn total_energy(&mut self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
+        match self.mid_edges.take() {
+            None => self.total_energy_at(parts, x),
+            Some(mut mid_edges) => {
+                let energy = mid_edges.energy(&|part, half: &mut [_]| self.half_angles(part, x, None, half));
+                self.mid_edges = Some(mid_edges);
+                energy
+            }
+        }
+    }
+
+    /// The same, for those who may not change anything.
+    pub fn total_energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
+        match &self.mid_edges {
+            None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x)),
+            Some(mid_edges) => mid_edges.energy_at(&|part, half: &mut [_]| self.half_angles(part, x, None, half)),
+        }
+    }
+
+    /// Before forces are linearised there.
+    pub fn prepare(&mut self, at: &Linearisation<T>) {
+        if let Some(mut mid_edges) = self.mid_edges.take() {
+            let damping = (at.rate > 0.0).then_some(at);
+            mid_edges.relax(&|part, half: &mut [_]| self.half_angles(part, at.x, damping, half));
+            self.mid_edges = Some(mid_edges);
+        }
+    }
+
+    /// Before anything else is done at points that have nothing to do with those before.
+    pub fn settle(&mut self, x: &[Padded<f64>]) {
+        if let Some(mut mid_edges) = self.mid_edges.take() {
+            mid_edges.settle(&|part, half: &mut [_]| self.half_angles(part, x, None, half));
+            self.mid_edges = Some(mid_edges);
+        }
+    }
+
+    /// Says which vertices are held.
+    pub fn hold(&mut self, held: &[bool]) {
+        if let Some(mid_edges) = &mut self.mid_edges {
+            mid_edges.hold(held);
+        }
+    }
+
+    /// Half the deviation of each angle of a part, with what damping adds to it, rad.
+    fn half_angles(&self, part: usize, x: &[Padded<f64>], damping: Option<&Linearisation<T>>, half: &mut [Pack<T>]) {
+        T::dispatch(HalfAngles { hinges: self, part, x, damping, half });
+    }
+}
+
+struct HalfAngles<'a, T: Scalar> {
+    hinges: &'a Hinges<T>,
+    part: usize,
+    x: &'a [Padded<f64>],
+    damping: Option<&'a Linearisation<'a, T>>,
+    half: &'a mut [Pack<T>],
+}
+
+impl<T: Scalar> RowKernel<T> for HalfAngles<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Oct<T>>(self, s: S) {
+        let Self { hinges, x, damping, .. } = self;
+        for (batch, half) in hinges.batches.parts()[self.part].own().zip(self.half) {
+            let rest = hinges.rest(s, batch);
+            let edges = hinges.edges(s, batch, x);
+            let mut deviation = hinge::deviation(hinge::theta(edges), rest.rest_angle);
+            if let Some(at) = damping {
+                let moves = hinges.batches.edge_moves(s, batch, at.moved);
+                let change = hinge::gradient(edges, rest.normal_floor).change(moves);
+                deviation += change * change.splat(at.rate);
+            }
+            *half = (deviation * deviation.splat(0.5)).store();
+        }
+    }
+}
+
 /// The pairs of vertices of a hinge.
 const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
 
@@ -84,15 +180,23 @@ impl<T: Scalar> Elements<T> for Hinges<T> {
     #[inline(always)]
     fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
         let rest = self.rest(s, batch);
-        let angle = hinge::angle(self.edges(s, batch, at.x), rest.normal_floor);
+        let edges = self.edges(s, batch, at.x);
+        let gradient = hinge::gradient(edges, rest.normal_floor);
         let rigidity = hinge::rigidity(&rest);
-        let mut moment = hinge::moment(&rest, angle.theta);
-        if at.rate > 0.0 {
-            let moves = self.batches.edge_moves(s, batch, at.moved);
-            moment += rigidity * rigidity.splat(at.rate) * angle.change(moves);
-        }
+        let moment = match &self.mid_edges {
+            Some(mid_edges) => Lanes::load(s, &mid_edges.moments(batch)),
+            None => {
+                let elastic = hinge::moment(&rest, hinge::theta(edges));
+                if at.rate > 0.0 {
+                    let moves = self.batches.edge_moves(s, batch, at.moved);
+                    elastic + rigidity * rigidity.splat(at.rate) * gradient.change(moves)
+                } else {
+                    elastic
+                }
+            }
+        };
 
-        let gradient = angle.gradient;
+        let gradient = gradient.0;
         for (vertex, gradient) in gradient.into_iter().enumerate() {
             out.add_forces(s, self.batches.vertices(batch, vertex), gradient * -moment);
         }

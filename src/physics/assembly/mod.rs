@@ -14,6 +14,7 @@ mod constraints;
 pub mod group;
 mod hinges;
 mod implicit_step;
+mod mid_edges;
 mod ordering;
 pub mod parts;
 pub mod pattern;

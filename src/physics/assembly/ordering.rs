@@ -41,7 +41,7 @@ impl Ordering {
 
         let mut neighbours = vec![Vec::new(); count];
         let triangles = shape.triangles.iter().map(|triangle| &triangle.vertices[..]);
-        for element in triangles.chain(shape.hinges.iter().map(|hinge| &hinge.vertices[..])) {
+        for element in triangles.chain(shape.bending_hinges().iter().map(|hinge| &hinge.vertices[..])) {
             for &vertex in element {
                 neighbours[vertex as usize].extend(element.iter().filter(|&&other| other != vertex));
             }

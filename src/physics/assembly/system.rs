@@ -52,7 +52,7 @@ impl<T: Scalar> System<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -> Self {
         let inner = &ordering.inner;
         let triangles: Vec<_> = shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect();
-        let hinges: Vec<_> = shape.hinges.iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
+        let hinges: Vec<_> = shape.bending_hinges().iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
         let mut rank = vec![0; shape.vertex_count()];
         for (place, vertex) in along(&shape.positions).into_iter().enumerate() {
             rank[inner[vertex as usize] as usize] = place as u32;
@@ -85,21 +85,32 @@ impl<T: Scalar> System<T> {
     pub fn energy(&mut self, x: &[DVec3]) -> ElasticEnergy {
         let parts = self.matrix.pattern().parts();
         for_parts(parts, &mut self.points[..], &|part: &Part, points| pad(&x[part.rows.clone()], points));
-        self.energy_of(&self.points)
+        let Self { triangles, hinges, points, matrix, .. } = self;
+        let parts = matrix.pattern().parts();
+        ElasticEnergy { membrane: triangles.energy_at(parts, points), bending: hinges.total_energy(parts, points) }
     }
 
     /// The same, for those who may not change anything.
     pub fn energy_at(&self, x: &[DVec3]) -> ElasticEnergy {
         let mut points = vec![Padded::zero(); x.len()];
         pad(x, &mut points);
-        self.energy_of(&points)
+        let parts = self.matrix.pattern().parts();
+        ElasticEnergy {
+            membrane: self.triangles.energy_at(parts, &points),
+            bending: self.hinges.total_energy_at(parts, &points),
+        }
     }
 
-    fn energy_of(&self, points: &[Padded<f64>]) -> ElasticEnergy {
-        let [membrane, bending] = for_parts(self.matrix.pattern().parts(), (), &|part: &Part, ()| {
-            [batch::energy(&self.triangles, part.index, points), batch::energy(&self.hinges, part.index, points)]
-        });
-        ElasticEnergy { membrane, bending }
+    /// Says which vertices are held, so that what is clamped does not bend. (That they do not move is said by
+    /// [`Constraints`](super::Constraints).)
+    pub fn hold(&mut self, held: &[bool]) {
+        self.hinges.hold(held);
+    }
+
+    /// Says that the cloth is at `x` now, whatever was before.
+    pub fn settle(&mut self, x: &[DVec3]) {
+        pad(x, &mut self.points);
+        self.hinges.settle(&self.points);
     }
 
     /// Fills A and b.
@@ -117,6 +128,7 @@ impl<T: Scalar> System<T> {
             }
         });
         let linearisation = Linearisation::new(step, points, moved);
+        hinges.prepare(&linearisation);
         let (diagonal, lower) = matrix.clear();
         for_parts(
             pattern.parts(),

@@ -1,8 +1,9 @@
 //! The membrane elements of a cloth.
 
 use super::BlockPattern;
-use super::batch::{Batches, Elements, Output, PartBatches, pack};
+use super::batch::{self, Batches, Elements, Output, PartBatches, pack};
 use super::implicit_step::{Linearisation, Projection};
+use super::parts::{Part, for_parts};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Lanes, Oct, Pack, Padded, Real, Scalar, V3};
@@ -51,6 +52,11 @@ impl<T: Scalar> Triangles<T> {
     /// Changes the material.
     pub fn set_fabric(&mut self, fabric: &Fabric) {
         self.constants = constants(fabric);
+    }
+
+    /// Elastic energy at `x`, J.
+    pub fn energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
+        for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x))
     }
 
     /// Rest state of a batch.

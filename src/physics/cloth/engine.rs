@@ -33,6 +33,8 @@ pub(super) trait Engine: Send + Sync {
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric);
     /// Forgets earlier states: the present one was put there from outside.
     fn restart(&mut self);
+    /// Says that the cloth is at `x` now, whatever was before.
+    fn settle(&mut self, x: &[DVec3]);
 }
 
 /// The engine of these settings. Its vertices are numbered as `ordering` says.

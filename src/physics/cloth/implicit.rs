@@ -164,6 +164,7 @@ impl<T: Scalar> Implicit<T> {
         } else {
             implicit.free_drift(step.masses)
         };
+        system.hold(held);
         system.assemble(&implicit, step.masses);
         let prescribed = |vertex: usize| {
             let x = state.positions[vertex];
@@ -258,7 +259,9 @@ impl<T: Scalar> Engine for Implicit<T> {
             None => {
                 report.fallbacks += 1;
                 self.history.dt = None;
-                self.energy_now = None;
+                // Where the step would have led must not be in the energy it started with.
+                self.settle(&state.positions);
+                let checked = self.checked(step, state);
                 self.fall_back(&checked, step, state, report)?
             }
         };
@@ -282,6 +285,11 @@ impl<T: Scalar> Engine for Implicit<T> {
 
     fn restart(&mut self) {
         self.history.dt = None;
+        self.energy_now = None;
+    }
+
+    fn settle(&mut self, x: &[DVec3]) {
+        self.system.settle(x);
         self.energy_now = None;
     }
 }

@@ -141,11 +141,14 @@ impl Cloth {
         let ordering = Ordering::new(&shape);
         let shown = State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] };
         let masses = masses(&shape, &fabric);
+        let state = State { positions: in_order(&ordering, &shown.positions), velocities: shown.velocities.clone() };
+        let mut engine = engine::new(&shape, &fabric, &settings, &ordering);
+        engine.settle(&state.positions);
         Ok(Self {
-            engine: engine::new(&shape, &fabric, &settings, &ordering),
+            engine,
             inner_masses: in_order(&ordering, &masses),
             mass: masses.iter().sum(),
-            state: State { positions: in_order(&ordering, &shown.positions), velocities: shown.velocities.clone() },
+            state,
             pins: Pins::new(count),
             ordering,
             shown,
@@ -174,6 +177,7 @@ impl Cloth {
     pub fn set_fabric(&mut self, fabric: Fabric) -> Result<(), MaterialError> {
         fabric.validate()?;
         self.engine.set_fabric(&self.shape, &fabric);
+        self.engine.settle(&self.state.positions);
         self.masses = masses(&self.shape, &fabric);
         self.inner_masses = in_order(&self.ordering, &self.masses);
         self.mass = self.masses.iter().sum();
@@ -190,6 +194,7 @@ impl Cloth {
     pub fn set_settings(&mut self, settings: SolverSettings) {
         if settings != self.settings {
             self.engine = engine::new(&self.shape, &self.fabric, &settings, &self.ordering);
+            self.engine.settle(&self.state.positions);
             self.settings = settings;
         }
     }
@@ -231,6 +236,7 @@ impl Cloth {
             self.state.velocities[inner] = velocities[outer as usize];
         }
         self.engine.restart();
+        self.engine.settle(&self.state.positions);
     }
 
     /// Carries the cloth elsewhere without it noticing: positions are mapped, velocities turned, pin targets mapped.

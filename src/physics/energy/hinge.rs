@@ -5,7 +5,8 @@
 //! normals `n1 = e × (x2−x0)` and `n2 = (x3−x0) × e`, the angle `θ = atan2((n1 × n2)·e/‖e‖, n1·n2)` is 0 when flat.
 //!
 //! Energy. `E = k_b ‖ē‖/h̄ (θ − θ̄)²`. A sheet of flexural rigidity D (energy `½ D κ²` per area) has `k_b = D/3` on an
-//! equilateral mesh; on other meshes the rigidity of hinges depends on the mesh and its direction (a factor 1–3 on grids).
+//! equilateral mesh; on other meshes the rigidity of hinges depends on the mesh and its direction (a factor 1–3 on grids):
+//! [`mid_edge`](super::mid_edge) has not got this weakness.
 //!
 //! Gradient. `2 k_b ‖ē‖/h̄ (θ − θ̄) ∇θ` with `∇₂θ = −‖e‖ n1/‖n1‖²`, `∇₃θ = −‖e‖ n2/‖n2‖²`; the ends of the edge take the
 //! opposite, shared by where the foot of each height falls on the edge.
@@ -39,20 +40,15 @@ impl Rest<f64> {
 /// Edge vectors of a hinge: `x1−x0`, `x2−x0`, `x3−x0`.
 pub type Edges<T> = [V3<T>; 3];
 
-/// The angle of a hinge and its gradient.
+/// ∂θ/∂x of the four vertices, rad/m.
 #[derive(Clone, Copy, Debug)]
-pub struct Angle<T> {
-    /// θ, rad.
-    pub theta: T,
-    /// ∂θ/∂x of the four vertices, rad/m.
-    pub gradient: [V3<T>; 4],
-}
+pub struct Gradient<T>(pub [V3<T>; 4]);
 
-impl<T: Real> Angle<T> {
+impl<T: Real> Gradient<T> {
     /// Change of θ, to first order, when the edge vectors change by `moves`, rad.
     #[inline(always)]
     pub fn change(&self, [e, a, b]: Edges<T>) -> T {
-        let [_, g1, g2, g3] = self.gradient;
+        let [_, g1, g2, g3] = self.0;
         g1.dot(e) + g2.dot(a) + g3.dot(b)
     }
 }
@@ -67,9 +63,9 @@ pub fn theta<T: Real>([e, a, b]: Edges<T>) -> T {
     sine.atan2(n1.dot(n2))
 }
 
-/// θ and ∇θ.
+/// ∇θ.
 #[inline(always)]
-pub fn angle<T: Real>([e, a, b]: Edges<T>, normal_floor: T) -> Angle<T> {
+pub fn gradient<T: Real>([e, a, b]: Edges<T>, normal_floor: T) -> Gradient<T> {
     let (n1, n2) = (e.cross(a), b.cross(e));
     let length_squared = e.norm_squared();
     let one = length_squared.splat(1.0);
@@ -82,7 +78,7 @@ pub fn angle<T: Real>([e, a, b]: Edges<T>, normal_floor: T) -> Angle<T> {
     let (t2, t3) = (a.dot(e) / safe_squared, b.dot(e) / safe_squared);
     let g0 = -(g2 * (one - t2) + g3 * (one - t3));
     let g1 = -(g2 * t2 + g3 * t3);
-    Angle { theta: theta([e, a, b]), gradient: [g0, g1, g2, g3] }
+    Gradient([g0, g1, g2, g3])
 }
 
 /// θ − θ̄, brought into [−π, π]: a fold passing through π is not a jump.

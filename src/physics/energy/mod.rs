@@ -6,4 +6,5 @@
 pub mod gravity;
 pub mod hinge;
 pub mod membrane;
+pub mod mid_edge;
 pub mod stress;

@@ -3,6 +3,8 @@
 use bevy::reflect::Reflect;
 use thiserror::Error;
 
+use crate::physics::energy::mid_edge::FlexuralRigidity;
+
 /// A fabric in physical units, per unit width or area: thickness never appears.
 ///
 /// Membrane: energy per rest area `½ k0 ε00² + k1 ε00 ε11 + ½ k2 ε11² + k3 ε01²` of the Green strain ε in warp/weft
@@ -27,6 +29,9 @@ pub struct Fabric {
     pub weft_bending: f32,
     /// Flexural rigidity for curvature at 45° to both, N·m.
     pub bias_bending: f32,
+    /// Poisson's ratio ν of bending, from −1 to 1: how far a sheet bent one way bends the other way across by itself.
+    /// Hinges do not know it.
+    pub bending_poisson: f32,
     /// Material damping dp, s: stiffness-proportional (Rayleigh), of deformation only. A mode of angular frequency ω
     /// decays at the rate `½ dp ω²`.
     pub damping: f32,
@@ -45,6 +50,12 @@ pub enum MaterialError {
         /// Its value.
         value: f32,
     },
+    /// The bending energy would be unbounded below.
+    #[error("`bending_poisson` is {value}: it must be from -1 to 1")]
+    Poisson {
+        /// ν.
+        value: f32,
+    },
     /// The membrane energy would be unbounded below.
     #[error(
         "`coupling`² ({coupling}²) exceeds `warp_stiffness` · `weft_stiffness` ({warp} · {weft}): such a sheet gains energy by stretching"
@@ -60,8 +71,8 @@ pub enum MaterialError {
 }
 
 impl Fabric {
-    /// An isotropic sheet of Young's modulus times thickness `eh` (N/m), Poisson's ratio `nu`, flexural rigidity
-    /// `bending` (N·m) and `density` (kg/m²): k0 = k2 = Eh/(1−ν²), k1 = ν k0, k3 = Eh/(1+ν).
+    /// An isotropic sheet of Young's modulus times thickness `eh` (N/m), Poisson's ratio `nu` of stretch and bending, flexural
+    /// rigidity `bending` (N·m) and `density` (kg/m²): k0 = k2 = Eh/(1−ν²), k1 = ν k0, k3 = Eh/(1+ν).
     pub const fn isotropic(density: f32, eh: f32, nu: f32, bending: f32) -> Self {
         let k0 = eh / (1.0 - nu * nu);
         Self {
@@ -73,6 +84,7 @@ impl Fabric {
             warp_bending: bending,
             weft_bending: bending,
             bias_bending: bending,
+            bending_poisson: nu,
             damping: 0.005,
             air_drag: 1.0,
         }
@@ -106,6 +118,9 @@ impl Fabric {
         if !(self.density.is_finite() && self.density > 0.0) {
             return Err(MaterialError::OutOfRange { constant: "density", value: self.density });
         }
+        if !(-1.0..=1.0).contains(&self.bending_poisson) {
+            return Err(MaterialError::Poisson { value: self.bending_poisson });
+        }
         let (k0, k1, k2) = (self.warp_stiffness as f64, self.coupling as f64, self.weft_stiffness as f64);
         // A hair of slack: k1 = k0 = k2 is allowed and must survive rounding.
         if k1.is_nan() || k1 * k1 > k0 * k2 * (1.0 + 1e-6) {
@@ -116,6 +131,15 @@ impl Fabric {
             });
         }
         Ok(())
+    }
+
+    /// Flexural rigidity Ĉ of the sheet: that for which curvature along warp, weft and bias meets the given three, with the
+    /// coupling `ν √(D_warp D_weft)`. A bias softer than any sheet of such warp and weft has the softest there is.
+    pub fn flexural_rigidity(&self) -> FlexuralRigidity {
+        let [warp, bias, weft] = [self.warp_bending, self.bias_bending, self.weft_bending].map(f64::from);
+        let coupling = f64::from(self.bending_poisson) * (warp * weft).sqrt();
+        // For curvature along 45°, (½, ½, ½)ᵀ Ĉ (½, ½, ½) = D_bias.
+        FlexuralRigidity { warp, weft, coupling, twist: (4.0 * bias - warp - weft - 2.0 * coupling).max(0.0) }
     }
 
     /// Flexural rigidity for curvature along a direction at `angle` radians from the warp, N·m.
@@ -155,6 +179,10 @@ mod tests {
         assert_eq!(refused(Fabric { density: f32::NAN, ..cotton }), "density");
         assert_eq!(refused(Fabric { shear_stiffness: -1.0, ..cotton }), "shear_stiffness");
         assert_eq!(refused(Fabric { bias_bending: f32::INFINITY, ..cotton }), "bias_bending");
+        for bending_poisson in [f32::NAN, -1.5, 1.1] {
+            let error = Fabric { bending_poisson, ..cotton }.validate().unwrap_err();
+            assert!(matches!(error, MaterialError::Poisson { .. }), "{error}");
+        }
         for coupling in [f32::NAN, 2.0 * cotton.warp_stiffness, -2.0 * cotton.warp_stiffness] {
             let error = Fabric { coupling, ..cotton }.validate().unwrap_err();
             assert!(matches!(error, MaterialError::NotPositive { .. }), "{error}");
@@ -164,9 +192,26 @@ mod tests {
 
     #[test]
     fn bending_passes_through_the_three_measured_directions() {
-        let fabric = Fabric { warp_bending: 4.0, bias_bending: 1.0, weft_bending: 2.0, ..Fabric::cotton() };
-        for (turn, expected) in [(0.0, 4.0), (1.0, 1.0), (2.0, 2.0), (3.0, 1.0), (4.0, 4.0)] {
-            assert!((fabric.bending_along(turn * FRAC_PI_4) - expected).abs() < 1e-12);
+        let fabric = Fabric { warp_bending: 4.0, bias_bending: 2.0, weft_bending: 3.0, ..Fabric::cotton() };
+        for bending_poisson in [0.0, 0.3, -0.2] {
+            let FlexuralRigidity { warp, weft, coupling, twist } =
+                Fabric { bending_poisson, ..fabric }.flexural_rigidity();
+            for (turn, expected) in [(0.0, 4.0), (1.0, 2.0), (2.0, 3.0), (3.0, 2.0), (4.0, 4.0)] {
+                let angle = turn * FRAC_PI_4;
+                assert!((fabric.bending_along(angle) - expected).abs() < 1e-12);
+                let [xx, yy, xy] = [angle.cos().powi(2), angle.sin().powi(2), angle.cos() * angle.sin()];
+                let along = warp * xx * xx + weft * yy * yy + 2.0 * coupling * xx * yy + twist * xy * xy;
+                // At 135° K_xy is −½, which K_xy² does not feel.
+                assert!((along - expected).abs() < 1e-12, "{along}");
+            }
         }
+    }
+
+    #[test]
+    fn an_isotropic_sheet_is_a_plate_and_no_bias_is_softer_than_a_sheet_can_be() {
+        let plate = Fabric::isotropic(0.1, 100.0, 0.25, 2.0).flexural_rigidity();
+        assert_eq!(plate, FlexuralRigidity { warp: 2.0, weft: 2.0, coupling: 0.5, twist: 3.0 });
+        let fabric = Fabric { warp_bending: 1.0, weft_bending: 1.0, bias_bending: 0.1, ..Fabric::cotton() };
+        assert_eq!(fabric.flexural_rigidity().twist, 0.0);
     }
 }

@@ -36,6 +36,7 @@ const fn woven(weave: Weave) -> Fabric {
         warp_bending: from_bending_length(weave.density, warp),
         weft_bending: from_bending_length(weave.density, weft),
         bias_bending: from_bending_length(weave.density, bias),
+        bending_poisson: 0.0,
         damping: weave.damping,
         air_drag: 1.0,
     }

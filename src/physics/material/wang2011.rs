@@ -21,6 +21,7 @@ const fn measured(density: f32, k: [f32; 4], ke: [f32; 3]) -> Fabric {
         warp_bending: ke[0] * 0.25e-6,
         bias_bending: ke[1] * 0.25e-6,
         weft_bending: ke[2] * 0.25e-6,
+        bending_poisson: 0.0,
         damping: 0.005,
         air_drag: 1.0,
     }

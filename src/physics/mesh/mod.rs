@@ -6,4 +6,4 @@ mod topology;
 mod warp_weft;
 mod weld;
 
-pub use rest_shape::{Hinge, MeshError, RestShape, RestShapeOptions, SurfaceMesh, Triangle};
+pub use rest_shape::{BendingModel, Hinge, MeshError, RestShape, RestShapeOptions, SurfaceMesh, Triangle};

@@ -1,0 +1,214 @@
+//! The turns of the mid-edge normals of a cloth, and the moments that follow.
+//!
+//! A turn is no unknown of the linear system: before the forces are linearised, a few damped Jacobi sweeps bring the turns from where
+//! they were in the step before to the minimum of the energy, and the moments found there take the place of those of plain hinges.
+//!
+//! Edges stand in packs of [`ROWS`], hinges in the order of their batches, part by part, then the edges without hinge.
+
+mod kernels;
+mod topology;
+
+use core::ops::Range;
+
+use self::kernels::{EnergyOf, Moments, Packs, Sweep};
+use self::topology::{Edges, Side};
+use super::batch::FILLER;
+use super::parts::{Part, for_parts};
+use crate::physics::energy::mid_edge::{Rows, lumped};
+use crate::physics::material::Fabric;
+use crate::physics::math::{Pack, ROWS, Scalar};
+use crate::physics::mesh::RestShape;
+
+/// Damping of the sweeps: below 2/3 they converge on any mesh, as P of a triangle is at most three times its diagonal.
+const RELAXATION: f64 = 0.6;
+/// Sweeps before a linearisation.
+const SWEEPS: u32 = 2;
+/// Sweeps when the turns of the step before say nothing.
+const SWEEPS_FROM_NOTHING: u32 = 60;
+
+/// The edges of a cloth, their turns and their moments.
+pub(super) struct MidEdges<T> {
+    edges: Edges,
+    /// Packs by part of the cloth, and at last those without hinge.
+    parts: Vec<Part>,
+    /// By pack: the other edges of the first triangle and of the second.
+    others: Vec<[[Side; ROWS]; 4]>,
+    rows: Vec<Rows<Pack<T>>>,
+    /// By pack: share of the residual that a sweep takes away, 1/(N·m); zero where the turn is held.
+    relaxation: Vec<Pack<T>>,
+    /// By triangle: its vertices.
+    triangles: Vec<[u32; 3]>,
+    /// Vertices held when `relaxation` was made.
+    held: Vec<bool>,
+    /// By pack: Θ/2, with what damping adds to it, rad.
+    half: Vec<Pack<T>>,
+    /// By pack: δ, rad.
+    turns: Vec<Pack<T>>,
+    next_turns: Vec<Pack<T>>,
+    /// By pack: ∂E/∂θ, N·m.
+    moments: Vec<Pack<T>>,
+    /// By batch of hinges: the edge at each place.
+    places: Vec<[u32; ROWS]>,
+}
+
+impl<T: Scalar> MidEdges<T> {
+    /// The edges of a cloth. `own` are the batches of each part that are its own, and `sources` the hinge at each place.
+    pub fn new(shape: &RestShape, inner: &[u32], own: impl Iterator<Item = Range<usize>>, sources: &[u32]) -> Self {
+        let (mut parts, mut places) = (Vec::new(), Vec::new());
+        for (index, batches) in own.enumerate() {
+            let start = places.len() / ROWS;
+            places.extend_from_slice(&sources[batches.start * ROWS..batches.end * ROWS]);
+            parts.push(packs(index, start..places.len() / ROWS));
+        }
+        let edges = Edges::new(shape, &places);
+        let count = edges.count() / ROWS;
+        parts.push(packs(parts.len(), edges.hinge_count / ROWS..count));
+
+        let mut edge_of = vec![0; shape.hinges.len()];
+        for (edge, &hinge) in places.iter().enumerate().filter(|(_, hinge)| **hinge != FILLER) {
+            edge_of[hinge as usize] = edge as u32;
+        }
+        let edge_of = |&hinge: &u32| edge_of.get(hinge as usize).copied().unwrap_or(edges.count() as u32 - 1);
+        let others = |pack: usize| {
+            let lanes: [_; ROWS] = core::array::from_fn(|lane| edges.others(pack * ROWS + lane));
+            core::array::from_fn(|which| lanes.map(|others| others[which]))
+        };
+        let zeros = vec![Pack([T::zero(); ROWS]); count];
+        Self {
+            others: (0..count).map(others).collect(),
+            places: sources.chunks_exact(ROWS).map(|batch| core::array::from_fn(|i| edge_of(&batch[i]))).collect(),
+            triangles: shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect(),
+            rows: Vec::new(),
+            relaxation: Vec::new(),
+            held: vec![false; shape.vertex_count()],
+            half: zeros.clone(),
+            turns: zeros.clone(),
+            next_turns: zeros.clone(),
+            moments: zeros,
+            edges,
+            parts,
+        }
+    }
+
+    /// Changes the material, and returns for each hinge what bounds its part of the Hessian from above, N·m.
+    pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) -> Vec<f64> {
+        let rows = self.edges.rows(shape, fabric);
+        let pack = |pack: usize, value: &dyn Fn(&Rows<f64>) -> f64| {
+            Pack(core::array::from_fn(|lane| T::from_f64(value(&rows[pack * ROWS + lane]))))
+        };
+        self.rows = (0..rows.len() / ROWS)
+            .map(|i| Rows {
+                first: [0, 1, 2].map(|entry| pack(i, &|rows| rows.first[entry])),
+                second: [0, 1, 2].map(|entry| pack(i, &|rows| rows.second[entry])),
+            })
+            .collect();
+        self.set_relaxation();
+        let mut bounds = vec![0.0; shape.hinges.len()];
+        for (edge, rows) in rows.iter().enumerate() {
+            if let Some(hinge) = self.edges.hinge(edge) {
+                let bends = self.edges.others(edge).map(|other| self.edges.hinge(other.edge()).is_some());
+                bounds[hinge as usize] = lumped(rows, bends);
+            }
+        }
+        bounds
+    }
+
+    /// Holds the turns of the edges of every triangle that is held by all its vertices: what is clamped does not bend.
+    pub fn hold(&mut self, held: &[bool]) {
+        if self.held != held {
+            self.held.copy_from_slice(held);
+            self.set_relaxation();
+        }
+    }
+
+    fn set_relaxation(&mut self) {
+        let Self { edges, triangles, held, rows, turns, .. } = self;
+        self.relaxation.clear();
+        self.relaxation.extend(rows.iter().enumerate().map(|(pack, rows)| {
+            Pack(core::array::from_fn(|lane| {
+                let edge = pack * ROWS + lane;
+                let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
+                if edges.triangles(edge).any(fixed) {
+                    turns[pack].0[lane] = T::zero();
+                    return T::zero();
+                }
+                let diagonal = rows.first[0].0[lane].to_f64() + rows.second[0].0[lane].to_f64();
+                let turns = edges.triangles(edge).next().is_some() && diagonal > 0.0;
+                T::from_f64(if turns { RELAXATION / diagonal } else { 0.0 })
+            }))
+        }));
+    }
+
+    /// Brings the turns towards the minimum of the energy for angles that `half_angles` writes, for one part of the cloth at a
+    /// time, and finds the moments.
+    pub fn relax(&mut self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
+        self.sweep(SWEEPS, half_angles);
+        let Self { parts, rows, others, half, turns, moments, .. } = self;
+        let packs = Packs { rows, others, half, turns };
+        for_parts(parts, &mut moments[..], &|part: &Part, out| {
+            T::dispatch(Moments { packs, first: part.rows.start, out });
+        });
+    }
+
+    /// Brings the turns to the minimum, wherever they were.
+    pub fn settle(&mut self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
+        self.turns.fill(Pack([T::zero(); ROWS]));
+        self.sweep(SWEEPS_FROM_NOTHING, half_angles);
+    }
+
+    fn sweep(&mut self, sweeps: u32, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
+        let Self { parts, rows, others, relaxation, half, turns, next_turns, .. } = self;
+        find_angles(parts, half, half_angles);
+        for _ in 0..sweeps {
+            let packs = Packs { rows, others, half, turns };
+            for_parts(parts, &mut next_turns[..], &|part: &Part, out| {
+                T::dispatch(Sweep { packs, relaxation, first: part.rows.start, out });
+            });
+            core::mem::swap(turns, next_turns);
+        }
+    }
+
+    /// Energy for the turns there are and other angles, J.
+    pub fn energy(&mut self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) -> f64 {
+        let mut half = core::mem::take(&mut self.half);
+        let energy = self.energy_in(&mut half, half_angles);
+        self.half = half;
+        energy
+    }
+
+    /// The same, for those who may not change anything.
+    pub fn energy_at(&self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) -> f64 {
+        self.energy_in(&mut vec![Pack([T::zero(); ROWS]); self.rows.len()], half_angles)
+    }
+
+    fn energy_in(&self, half: &mut [Pack<T>], half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) -> f64 {
+        let Self { parts, rows, others, turns, .. } = self;
+        find_angles(parts, half, half_angles);
+        let packs = Packs { rows, others, half, turns };
+        for_parts(parts, (), &|part: &Part, ()| T::dispatch(EnergyOf { packs, range: part.rows.clone() }))
+    }
+
+    /// ∂E/∂θ of each hinge of a batch, N·m.
+    #[inline(always)]
+    pub fn moments(&self, batch: usize) -> Pack<T> {
+        let mut moments = [T::zero(); ROWS];
+        for (moment, &edge) in moments.iter_mut().zip(&self.places[batch]) {
+            *moment = self.moments[edge as usize / ROWS].0[edge as usize % ROWS];
+        }
+        Pack(moments)
+    }
+}
+
+/// A part of packs.
+fn packs(index: usize, range: Range<usize>) -> Part {
+    Part { index, rows: range, slices: 0..0, groups: 0..0, incoming: 0..0 }
+}
+
+/// Half the deviation of each angle. Edges without hinge are the last part, and stay zero.
+fn find_angles<T: Scalar>(parts: &[Part], half: &mut [Pack<T>], half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
+    for_parts(parts, half, &|part: &Part, half| {
+        if part.index + 1 < parts.len() {
+            half_angles(part.index, half);
+        }
+    });
+}
