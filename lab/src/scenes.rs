@@ -92,10 +92,20 @@ impl Sheet {
         }
     }
 
+    /// The sheet as a mesh.
+    pub fn mesh(&self) -> SurfaceMesh<'_> {
+        SurfaceMesh { positions: &self.positions, triangles: &self.triangles, uvs: Some(&self.uvs) }
+    }
+
+    /// The vertices of a cloth of this sheet whose places in it are in question.
+    pub fn vertices(&self, cloth: &Cloth, which: impl Fn(DVec3) -> bool) -> Vec<u32> {
+        let places = self.positions.iter().zip(&cloth.shape().simulated);
+        places.filter(|(place, _)| which(**place)).filter_map(|(_, simulated)| *simulated).collect()
+    }
+
     /// The sheet as cloth, held by its two corners, at rest, under standard gravity.
     pub fn hang(&self, settings: SolverSettings) -> Cloth {
-        let mesh = SurfaceMesh { positions: &self.positions, triangles: &self.triangles, uvs: Some(&self.uvs) };
-        let shape = RestShape::new(&mesh, &RestShapeOptions::default()).expect("a sheet is a valid mesh");
+        let shape = RestShape::new(&self.mesh(), &RestShapeOptions::default()).expect("a sheet is a valid mesh");
         let corners = self.corners.map(|v| shape.simulated[v as usize].expect("every vertex has a triangle"));
         let mut cloth = Cloth::new(shape, fabric(), settings).expect("the fabric is valid");
         for vertex in corners {

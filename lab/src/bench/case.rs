@@ -45,7 +45,7 @@ impl Case {
                 Part::Irregular => cases.extend(
                     [Meshing::Irregular, Meshing::Shuffled].map(|meshing| Self { meshing, ..Self::sheet(100) }),
                 ),
-                Part::Plugin | Part::Accuracy => {}
+                Part::Plugin | Part::Accuracy | Part::Terms => {}
             }
         }
         without_repeats(cases, options)

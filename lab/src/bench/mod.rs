@@ -12,6 +12,7 @@ pub mod solver;
 pub mod spmv;
 mod statistics;
 pub mod targets;
+pub mod terms;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -27,6 +28,9 @@ pub use statistics::Spread;
 
 use crate::report::JsonLines;
 
+/// Vertices along a side of the sheet whose terms are measured.
+const TERMS_SIDE: u32 = 64;
+
 /// An object of the JSON file.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
@@ -34,6 +38,7 @@ enum Record<'a> {
     Solver(&'a solver::SolverRow),
     Plugin(&'a plugin::PluginRow),
     Accuracy(&'a accuracy::AccuracyRow),
+    Term(&'a terms::TermRow),
     Target(&'a targets::Verdict),
 }
 
@@ -47,7 +52,8 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
     let (solver_cases, plugin_cases) = (Case::of_solver(options), Case::of_plugin(options));
     let accuracy_cases = Case::of_accuracy(options);
     let (frames, repeat) = (options.frames, options.repeat);
-    let timed = (solver_cases.len() + plugin_cases.len()) as u64 * u64::from(frames * repeat);
+    let with_terms = options.parts.contains(&Part::Terms);
+    let timed = (solver_cases.len() + plugin_cases.len() + usize::from(with_terms)) as u64 * u64::from(frames * repeat);
     let progress = progress_bar(timed + accuracy_cases.len() as u64 * accuracy::frames());
 
     let mut rows = Vec::new();
@@ -71,6 +77,15 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         record(Record::Accuracy(&row))?;
         accuracy_rows.push(row);
     }
+    let mut term_rows = Vec::new();
+    if with_terms {
+        progress.set_message("terms");
+        let settings = options.quality.settings();
+        term_rows = pool(1)?.install(|| terms::measure(TERMS_SIDE, settings, frames, repeat, &progress));
+        for row in &term_rows {
+            record(Record::Term(row))?;
+        }
+    }
     progress.finish_and_clear();
 
     let verdicts = targets::verdicts(&rows, &plugin_rows, &accuracy_rows);
@@ -81,6 +96,7 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         (!rows.is_empty()).then(|| solver::table(&rows)),
         (!plugin_rows.is_empty()).then(|| plugin::table(&plugin_rows)),
         (!accuracy_rows.is_empty()).then(|| accuracy::table(&accuracy_rows)),
+        (!term_rows.is_empty()).then(|| terms::table(&term_rows)),
         (!verdicts.is_empty()).then(|| targets::table(&verdicts)),
     ];
     let mut text = format!("Sheets hung by two corners, {frames} frames of 1/60 s. Times in ms per frame.\n\n");

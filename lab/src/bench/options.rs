@@ -60,10 +60,13 @@ pub enum Part {
     Plugin,
     /// Error and stretch of the default step against converged ones, in every size.
     Accuracy,
+    /// What each optional term of the model costs.
+    Terms,
 }
 
 impl Part {
-    const ALL: [Self; 6] = [Self::Sheets, Self::Threads, Self::Crowd, Self::Irregular, Self::Plugin, Self::Accuracy];
+    const ALL: [Self; 7] =
+        [Self::Sheets, Self::Threads, Self::Crowd, Self::Irregular, Self::Plugin, Self::Accuracy, Self::Terms];
 }
 
 impl Options {

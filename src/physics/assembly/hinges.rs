@@ -3,7 +3,7 @@
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, Output, PartBatches, pack};
 use super::implicit_step::Linearisation;
-use super::mid_edges::MidEdges;
+use super::mid_edges::{HalfAngles, MidEdges, Phi, with_half_angles};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
@@ -90,7 +90,7 @@ impl<T: Scalar> Hinges<T> {
         match self.mid_edges.take() {
             None => self.total_energy_at(parts, x),
             Some(mut mid_edges) => {
-                let energy = mid_edges.energy(&|part, half: &mut [_]| self.half_angles(part, x, None, half));
+                let energy = mid_edges.energy(&self.angles_at(x, None));
                 self.mid_edges = Some(mid_edges);
                 energy
             }
@@ -101,7 +101,7 @@ impl<T: Scalar> Hinges<T> {
     pub fn total_energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
         match &self.mid_edges {
             None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x)),
-            Some(mid_edges) => mid_edges.energy_at(&|part, half: &mut [_]| self.half_angles(part, x, None, half)),
+            Some(mid_edges) => mid_edges.energy_at(&self.angles_at(x, None)),
         }
     }
 
@@ -109,7 +109,7 @@ impl<T: Scalar> Hinges<T> {
     pub fn prepare(&mut self, at: &Linearisation<T>) {
         if let Some(mut mid_edges) = self.mid_edges.take() {
             let damping = (at.rate > 0.0).then_some(at);
-            mid_edges.relax(&|part, half: &mut [_]| self.half_angles(part, at.x, damping, half));
+            mid_edges.relax(&self.angles_at(at.x, damping));
             self.mid_edges = Some(mid_edges);
         }
     }
@@ -117,7 +117,7 @@ impl<T: Scalar> Hinges<T> {
     /// Before anything else is done at points that have nothing to do with those before.
     pub fn settle(&mut self, x: &[Padded<f64>]) {
         if let Some(mut mid_edges) = self.mid_edges.take() {
-            mid_edges.settle(&|part, half: &mut [_]| self.half_angles(part, x, None, half));
+            mid_edges.settle(&self.angles_at(x, None));
             self.mid_edges = Some(mid_edges);
         }
     }
@@ -129,27 +129,30 @@ impl<T: Scalar> Hinges<T> {
         }
     }
 
-    /// Half the deviation of each angle of a part, with what damping adds to it, rad.
-    fn half_angles(&self, part: usize, x: &[Padded<f64>], damping: Option<&Linearisation<T>>, half: &mut [Pack<T>]) {
-        T::dispatch(HalfAngles { hinges: self, part, x, damping, half });
+    /// Angles at `x`, with what damping adds to them.
+    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl HalfAngles<T> {
+        move |part: usize, phi: &[Phi<T>], out: &mut [Phi<T>]| {
+            T::dispatch(Angles { hinges: self, part, x, damping, phi, out });
+        }
     }
 }
 
-struct HalfAngles<'a, T: Scalar> {
+struct Angles<'a, T: Scalar> {
     hinges: &'a Hinges<T>,
     part: usize,
     x: &'a [Padded<f64>],
     damping: Option<&'a Linearisation<'a, T>>,
-    half: &'a mut [Pack<T>],
+    phi: &'a [Phi<T>],
+    out: &'a mut [Phi<T>],
 }
 
-impl<T: Scalar> RowKernel<T> for HalfAngles<'_, T> {
+impl<T: Scalar> RowKernel<T> for Angles<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) {
         let Self { hinges, x, damping, .. } = self;
-        for (batch, half) in hinges.batches.parts()[self.part].own().zip(self.half) {
+        for (batch, (phi, out)) in hinges.batches.parts()[self.part].own().zip(self.phi.iter().zip(self.out)) {
             let rest = hinges.rest(s, batch);
             let edges = hinges.edges(s, batch, x);
             let mut deviation = hinge::deviation(hinge::theta(edges), rest.rest_angle);
@@ -158,7 +161,7 @@ impl<T: Scalar> RowKernel<T> for HalfAngles<'_, T> {
                 let change = hinge::gradient(edges, rest.normal_floor).change(moves);
                 deviation += change * change.splat(at.rate);
             }
-            *half = (deviation * deviation.splat(0.5)).store();
+            *out = with_half_angles(deviation * deviation.splat(0.5), phi);
         }
     }
 }

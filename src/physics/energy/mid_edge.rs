@@ -68,16 +68,12 @@ pub struct Bent<T> {
 }
 
 impl<T: Real> Rows<T> {
-    /// For half the deviation Θ/2 and the turn δ of the edge, and φ of the two other edges in the first and in the second
-    /// triangle.
+    /// For φ of the edge in its first and second triangle, and of the two other edges of either.
     #[inline(always)]
-    pub fn bend(&self, half: T, turn: T, others: [T; 4]) -> Bent<T> {
+    pub fn bend(&self, own: [T; 2], others: [T; 4]) -> Bent<T> {
         let [a, b, c] = self.first;
         let [d, e, f] = self.second;
-        Bent {
-            first: a * (half + turn) + b * others[0] + c * others[1],
-            second: d * (half - turn) + e * others[2] + f * others[3],
-        }
+        Bent { first: a * own[0] + b * others[0] + c * others[1], second: d * own[1] + e * others[2] + f * others[3] }
     }
 }
 
@@ -94,10 +90,10 @@ impl<T: Real> Bent<T> {
         self.first - self.second
     }
 
-    /// The part of the energy that is counted at this edge, J.
+    /// The part of the energy that is counted at the edge, J.
     #[inline(always)]
-    pub fn energy(&self, half: T, turn: T) -> T {
-        (self.first * (half + turn) + self.second * (half - turn)) * half.splat(0.5)
+    pub fn energy(&self, own: [T; 2]) -> T {
+        (self.first * own[0] + self.second * own[1]) * own[0].splat(0.5)
     }
 }
 

@@ -4,49 +4,58 @@ use core::ops::Range;
 
 use super::topology::Side;
 use crate::physics::energy::mid_edge::{Bent, Rows};
-use crate::physics::math::{Lanes, Oct, Pack, ROWS, RowKernel, Scalar};
+use crate::physics::math::{Lanes, Oct, Pack, ROWS, Real, RowKernel, Scalar};
 
-/// Edges in packs, with angles and turns.
+/// φ of eight edges, in the first triangle of each and in the second, rad.
+pub(in super::super) type Phi<T> = [Pack<T>; 2];
+
+/// Half the deviation Θ/2 of eight angles has changed, and their turns δ have not: φ = Θ/2 ± δ.
+#[inline(always)]
+pub(in super::super) fn with_half_angles<T: Scalar, S: Oct<T>>(half: Lanes<T, S>, [first, second]: &Phi<T>) -> Phi<T> {
+    let turn = (half.like(first) - half.like(second)) * half.splat(0.5);
+    [(half + turn).store(), (half - turn).store()]
+}
+
+/// Edges in packs.
 #[derive(Clone, Copy)]
 pub(super) struct Packs<'a, T> {
     pub rows: &'a [Rows<Pack<T>>],
     pub others: &'a [[[Side; ROWS]; 4]],
-    pub half: &'a [Pack<T>],
-    pub turns: &'a [Pack<T>],
+    pub phi: &'a [Phi<T>],
 }
 
 impl<T: Scalar> Packs<'_, T> {
-    /// Θ/2 and δ of a pack, and what they give.
+    /// φ of a pack, and what it gives.
     #[inline(always)]
     fn bend<S: Oct<T>>(&self, s: S, pack: usize) -> ([Lanes<T, S>; 2], Bent<Lanes<T, S>>) {
         let Rows { first: [a, b, c], second: [d, e, f] } = &self.rows[pack];
         let load = |pack| Lanes::load(s, pack);
         let rows = Rows { first: [load(a), load(b), load(c)], second: [load(d), load(e), load(f)] };
         let [w, x, y, z] = &self.others[pack];
-        let others = [self.phi(s, w), self.phi(s, x), self.phi(s, y), self.phi(s, z)];
-        let (half, turn) = (load(&self.half[pack]), load(&self.turns[pack]));
-        ([half, turn], rows.bend(half, turn, others))
+        let others = [self.gather(s, w), self.gather(s, x), self.gather(s, y), self.gather(s, z)];
+        let [first, second] = &self.phi[pack];
+        let own = [load(first), load(second)];
+        (own, rows.bend(own, others))
     }
 
-    /// φ = Θ/2 ± δ of eight edges.
     #[inline(always)]
-    fn phi<S: Oct<T>>(&self, s: S, sides: &[Side; ROWS]) -> Lanes<T, S> {
+    fn gather<S: Oct<T>>(&self, s: S, sides: &[Side; ROWS]) -> Lanes<T, S> {
         let mut phi = [T::zero(); ROWS];
         for (phi, side) in phi.iter_mut().zip(sides) {
-            let (pack, lane) = (side.edge() / ROWS, side.edge() % ROWS);
-            let turn = self.turns[pack].0[lane];
-            *phi = self.half[pack].0[lane] + if side.is_second() { -turn } else { turn };
+            let (pack, place) = (side.place() / (2 * ROWS), side.place() % (2 * ROWS));
+            *phi = self.phi[pack][place / ROWS].0[place % ROWS];
         }
         Lanes::load(s, &Pack(phi))
     }
 }
 
-/// One Jacobi sweep over some packs.
+/// One Jacobi sweep over some packs, and the moments before it.
 pub(super) struct Sweep<'a, T> {
     pub packs: Packs<'a, T>,
     pub relaxation: &'a [Pack<T>],
     pub first: usize,
-    pub out: &'a mut [Pack<T>],
+    pub phi: &'a mut [Phi<T>],
+    pub moments: &'a mut [Pack<T>],
 }
 
 impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
@@ -54,28 +63,11 @@ impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
 
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) {
-        for (pack, out) in (self.first..).zip(self.out) {
-            let ([_, turn], bent) = self.packs.bend(s, pack);
-            *out = (turn - bent.residual() * Lanes::load(s, &self.relaxation[pack])).store();
-        }
-    }
-}
-
-/// The moments of some packs.
-pub(super) struct Moments<'a, T> {
-    pub packs: Packs<'a, T>,
-    pub first: usize,
-    pub out: &'a mut [Pack<T>],
-}
-
-impl<T: Scalar> RowKernel<T> for Moments<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Oct<T>>(self, s: S) {
-        for (pack, out) in (self.first..).zip(self.out) {
-            let (_, bent) = self.packs.bend(s, pack);
-            *out = bent.moment().store();
+        for (pack, (phi, moment)) in (self.first..).zip(self.phi.iter_mut().zip(self.moments)) {
+            let ([first, second], bent) = self.packs.bend(s, pack);
+            let turn = bent.residual() * Lanes::load(s, &self.relaxation[pack]);
+            *phi = [(first - turn).store(), (second + turn).store()];
+            *moment = bent.moment().store();
         }
     }
 }
@@ -93,8 +85,8 @@ impl<T: Scalar> RowKernel<T> for EnergyOf<'_, T> {
     fn run<S: Oct<T>>(self, s: S) -> f64 {
         let mut sum = 0.0;
         for pack in self.range {
-            let ([half, turn], bent) = self.packs.bend(s, pack);
-            sum += bent.energy(half, turn).store().sum();
+            let (own, bent) = self.packs.bend(s, pack);
+            sum += bent.energy(own).store().sum();
         }
         sum
     }

@@ -10,7 +10,8 @@ mod topology;
 
 use core::ops::Range;
 
-use self::kernels::{EnergyOf, Moments, Packs, Sweep};
+use self::kernels::{EnergyOf, Packs, Sweep};
+pub(super) use self::kernels::{Phi, with_half_angles};
 use self::topology::{Edges, Side};
 use super::batch::FILLER;
 use super::parts::{Part, for_parts};
@@ -40,11 +41,9 @@ pub(super) struct MidEdges<T> {
     triangles: Vec<[u32; 3]>,
     /// Vertices held when `relaxation` was made.
     held: Vec<bool>,
-    /// By pack: Θ/2, with what damping adds to it, rad.
-    half: Vec<Pack<T>>,
-    /// By pack: δ, rad.
-    turns: Vec<Pack<T>>,
-    next_turns: Vec<Pack<T>>,
+    /// By pack: with Θ as damping has it, see [`Hinges::prepare`](super::hinges::Hinges::prepare).
+    phi: Vec<Phi<T>>,
+    next_phi: Vec<Phi<T>>,
     /// By pack: ∂E/∂θ, N·m.
     moments: Vec<Pack<T>>,
     /// By batch of hinges: the edge at each place.
@@ -73,7 +72,7 @@ impl<T: Scalar> MidEdges<T> {
             let lanes: [_; ROWS] = core::array::from_fn(|lane| edges.others(pack * ROWS + lane));
             core::array::from_fn(|which| lanes.map(|others| others[which]))
         };
-        let zeros = vec![Pack([T::zero(); ROWS]); count];
+        let zero = Pack([T::zero(); ROWS]);
         Self {
             others: (0..count).map(others).collect(),
             places: sources.chunks_exact(ROWS).map(|batch| core::array::from_fn(|i| edge_of(&batch[i]))).collect(),
@@ -81,10 +80,9 @@ impl<T: Scalar> MidEdges<T> {
             rows: Vec::new(),
             relaxation: Vec::new(),
             held: vec![false; shape.vertex_count()],
-            half: zeros.clone(),
-            turns: zeros.clone(),
-            next_turns: zeros.clone(),
-            moments: zeros,
+            phi: vec![[zero; 2]; count],
+            next_phi: vec![[zero; 2]; count],
+            moments: vec![zero; count],
             edges,
             parts,
         }
@@ -122,14 +120,16 @@ impl<T: Scalar> MidEdges<T> {
     }
 
     fn set_relaxation(&mut self) {
-        let Self { edges, triangles, held, rows, turns, .. } = self;
+        let Self { edges, triangles, held, rows, phi, .. } = self;
         self.relaxation.clear();
         self.relaxation.extend(rows.iter().enumerate().map(|(pack, rows)| {
             Pack(core::array::from_fn(|lane| {
                 let edge = pack * ROWS + lane;
                 let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
                 if edges.triangles(edge).any(fixed) {
-                    turns[pack].0[lane] = T::zero();
+                    let [first, second] = &mut phi[pack];
+                    let half = T::from_f64(0.5) * (first.0[lane] + second.0[lane]);
+                    (first.0[lane], second.0[lane]) = (half, half);
                     return T::zero();
                 }
                 let diagonal = rows.first[0].0[lane].to_f64() + rows.second[0].0[lane].to_f64();
@@ -139,52 +139,48 @@ impl<T: Scalar> MidEdges<T> {
         }));
     }
 
-    /// Brings the turns towards the minimum of the energy for angles that `half_angles` writes, for one part of the cloth at a
-    /// time, and finds the moments.
-    pub fn relax(&mut self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
+    /// Brings the turns towards the minimum of the energy for the angles that `half_angles` writes, for one part of the cloth
+    /// at a time, and finds the moments.
+    pub fn relax(&mut self, half_angles: &impl HalfAngles<T>) {
         self.sweep(SWEEPS, half_angles);
-        let Self { parts, rows, others, half, turns, moments, .. } = self;
-        let packs = Packs { rows, others, half, turns };
-        for_parts(parts, &mut moments[..], &|part: &Part, out| {
-            T::dispatch(Moments { packs, first: part.rows.start, out });
-        });
     }
 
     /// Brings the turns to the minimum, wherever they were.
-    pub fn settle(&mut self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
-        self.turns.fill(Pack([T::zero(); ROWS]));
+    pub fn settle(&mut self, half_angles: &impl HalfAngles<T>) {
+        self.phi.fill([Pack([T::zero(); ROWS]); 2]);
         self.sweep(SWEEPS_FROM_NOTHING, half_angles);
     }
 
-    fn sweep(&mut self, sweeps: u32, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
-        let Self { parts, rows, others, relaxation, half, turns, next_turns, .. } = self;
-        find_angles(parts, half, half_angles);
+    fn sweep(&mut self, sweeps: u32, half_angles: &impl HalfAngles<T>) {
+        let Self { parts, rows, others, relaxation, phi, next_phi, moments, .. } = self;
+        find_phi(parts, phi, next_phi, half_angles);
+        core::mem::swap(phi, next_phi);
         for _ in 0..sweeps {
-            let packs = Packs { rows, others, half, turns };
-            for_parts(parts, &mut next_turns[..], &|part: &Part, out| {
-                T::dispatch(Sweep { packs, relaxation, first: part.rows.start, out });
+            let packs = Packs { rows, others, phi };
+            for_parts(parts, (&mut next_phi[..], &mut moments[..]), &|part: &Part, (phi, moments)| {
+                T::dispatch(Sweep { packs, relaxation, first: part.rows.start, phi, moments });
             });
-            core::mem::swap(turns, next_turns);
+            core::mem::swap(phi, next_phi);
         }
     }
 
     /// Energy for the turns there are and other angles, J.
-    pub fn energy(&mut self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) -> f64 {
-        let mut half = core::mem::take(&mut self.half);
-        let energy = self.energy_in(&mut half, half_angles);
-        self.half = half;
+    pub fn energy(&mut self, half_angles: &impl HalfAngles<T>) -> f64 {
+        let mut phi = core::mem::take(&mut self.next_phi);
+        let energy = self.energy_in(&mut phi, half_angles);
+        self.next_phi = phi;
         energy
     }
 
     /// The same, for those who may not change anything.
-    pub fn energy_at(&self, half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) -> f64 {
-        self.energy_in(&mut vec![Pack([T::zero(); ROWS]); self.rows.len()], half_angles)
+    pub fn energy_at(&self, half_angles: &impl HalfAngles<T>) -> f64 {
+        self.energy_in(&mut self.phi.clone(), half_angles)
     }
 
-    fn energy_in(&self, half: &mut [Pack<T>], half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) -> f64 {
-        let Self { parts, rows, others, turns, .. } = self;
-        find_angles(parts, half, half_angles);
-        let packs = Packs { rows, others, half, turns };
+    fn energy_in(&self, phi: &mut [Phi<T>], half_angles: &impl HalfAngles<T>) -> f64 {
+        let Self { parts, rows, others, .. } = self;
+        find_phi(parts, &self.phi, phi, half_angles);
+        let packs = Packs { rows, others, phi };
         for_parts(parts, (), &|part: &Part, ()| T::dispatch(EnergyOf { packs, range: part.rows.clone() }))
     }
 
@@ -204,11 +200,19 @@ fn packs(index: usize, range: Range<usize>) -> Part {
     Part { index, rows: range, slices: 0..0, groups: 0..0, incoming: 0..0 }
 }
 
-/// Half the deviation of each angle. Edges without hinge are the last part, and stay zero.
-fn find_angles<T: Scalar>(parts: &[Part], half: &mut [Pack<T>], half_angles: &(impl Fn(usize, &mut [Pack<T>]) + Sync)) {
-    for_parts(parts, half, &|part: &Part, half| {
+/// Writes φ of the edges of a part, for other angles and the turns of the φ given.
+pub(super) trait HalfAngles<T>: Fn(usize, &[Phi<T>], &mut [Phi<T>]) + Sync {}
+
+impl<T, F: Fn(usize, &[Phi<T>], &mut [Phi<T>]) + Sync> HalfAngles<T> for F {}
+
+/// φ for other angles and the same turns. Edges without hinge are the last part, and have no angle.
+fn find_phi<T: Scalar>(parts: &[Part], phi: &[Phi<T>], next: &mut [Phi<T>], half_angles: &impl HalfAngles<T>) {
+    for_parts(parts, next, &|part: &Part, next| {
+        let phi = &phi[part.rows.clone()];
         if part.index + 1 < parts.len() {
-            half_angles(part.index, half);
+            half_angles(part.index, phi, next);
+        } else {
+            next.copy_from_slice(phi);
         }
     });
 }

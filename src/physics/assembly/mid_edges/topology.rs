@@ -28,27 +28,29 @@ struct Corner {
     aligned: bool,
 }
 
-/// An edge as one of its triangles sees it: its number, and in the first bit whether that is its second triangle.
+/// An edge as one of its triangles sees it: where its φ stands if packs have [`ROWS`] of first and [`ROWS`] of second triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Side(u32);
 
 impl Side {
-    const SECOND: u32 = 1 << 31;
-
     fn new(edge: usize, second: bool) -> Self {
-        Self(edge as u32 | if second { Self::SECOND } else { 0 })
+        Self((edge / ROWS * 2 * ROWS + edge % ROWS + if second { ROWS } else { 0 }) as u32)
+    }
+
+    /// Where φ stands.
+    #[inline(always)]
+    pub fn place(self) -> usize {
+        self.0 as usize
     }
 
     /// The number of the edge.
-    #[inline(always)]
     pub fn edge(self) -> usize {
-        (self.0 & !Self::SECOND) as usize
+        self.place() / (2 * ROWS) * ROWS + self.place() % ROWS
     }
 
     /// Whether the triangle is its second.
-    #[inline(always)]
-    pub fn is_second(self) -> bool {
-        self.0 & Self::SECOND != 0
+    fn is_second(self) -> bool {
+        self.place() % (2 * ROWS) >= ROWS
     }
 }
 
