@@ -73,7 +73,8 @@ pub fn figure(value: f64) -> String {
         v if v >= 100.0 => format!("{value:.0}"),
         v if v >= 10.0 => format!("{value:.1}"),
         v if v >= 1.0 => format!("{value:.2}"),
-        _ => format!("{value:.3}"),
+        v if v >= 1e-3 || v == 0.0 => format!("{value:.3}"),
+        _ => format!("{value:.1e}"),
     }
 }
 
@@ -97,6 +98,7 @@ mod tests {
     #[test]
     fn figures_have_three_digits_or_so() {
         assert_eq!([123.4, 12.34, 1.234, 0.1234].map(figure), ["123", "12.3", "1.23", "0.123"]);
+        assert_eq!([0.0, 1.26e-4, f64::NAN].map(figure), ["0.000", "1.3e-4", "NaN"]);
         assert_eq!(percent(0.0567), "5.67 %");
     }
 }

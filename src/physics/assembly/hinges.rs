@@ -3,7 +3,7 @@
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, Output, PartBatches, pack};
 use super::implicit_step::Linearisation;
-use super::mid_edges::{HalfAngles, MidEdges, Phi, with_half_angles};
+use super::mid_edges::{self, MidEdges, Phi, turned};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
@@ -51,12 +51,7 @@ impl<T: Scalar> Hinges<T> {
 
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
-        let bounds = self.mid_edges.as_mut().map(|mid_edges| mid_edges.set_fabric(shape, fabric));
-        let rest = |i: usize| {
-            let rest = rest(&shape.hinges[i], fabric);
-            let stiffness = bounds.as_ref().map_or(rest.stiffness, |bounds| 0.5 * bounds[i]);
-            Rest { stiffness, ..rest }
-        };
+        let rest = |i: usize| rest(&shape.hinges[i], fabric);
         // A filler has no stiffness, so no energy, force or Hessian.
         let stiffness = pack::<T>(&self.sources, 0.0, |i| rest(i).stiffness);
         let rest_angle = pack::<T>(&self.sources, 0.0, |i| rest(i).rest_angle);
@@ -65,6 +60,18 @@ impl<T: Scalar> Hinges<T> {
         self.rest = constants
             .map(|((stiffness, rest_angle), normal_floor)| Rest { stiffness, rest_angle, normal_floor })
             .collect();
+        if let Some(mid_edges) = &mut self.mid_edges {
+            mid_edges.set_fabric(shape, fabric);
+            self.bound();
+        }
+    }
+
+    /// Gives the hinges what mid-edge normals have in the Hessian.
+    fn bound(&mut self) {
+        let Self { mid_edges: Some(mid_edges), rest, .. } = self else { return };
+        for (batch, rest) in rest.iter_mut().enumerate() {
+            rest.stiffness = Pack(mid_edges.bounds(batch).0.map(|bound| bound * T::from_f64(0.5)));
+        }
     }
 
     #[inline(always)]
@@ -124,15 +131,15 @@ impl<T: Scalar> Hinges<T> {
 
     /// Says which vertices are held.
     pub fn hold(&mut self, held: &[bool]) {
-        if let Some(mid_edges) = &mut self.mid_edges {
-            mid_edges.hold(held);
+        if self.mid_edges.as_mut().is_some_and(|mid_edges| mid_edges.hold(held)) {
+            self.bound();
         }
     }
 
     /// Angles at `x`, with what damping adds to them.
-    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl HalfAngles<T> {
-        move |part: usize, phi: &[Phi<T>], out: &mut [Phi<T>]| {
-            T::dispatch(Angles { hinges: self, part, x, damping, phi, out });
+    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
+        move |part: usize, shares: &[Pack<T>], phi: &[Phi<T>], out: &mut [Phi<T>]| {
+            T::dispatch(Angles { hinges: self, part, x, damping, shares, phi, out });
         }
     }
 }
@@ -142,6 +149,7 @@ struct Angles<'a, T: Scalar> {
     part: usize,
     x: &'a [Padded<f64>],
     damping: Option<&'a Linearisation<'a, T>>,
+    shares: &'a [Pack<T>],
     phi: &'a [Phi<T>],
     out: &'a mut [Phi<T>],
 }
@@ -152,7 +160,8 @@ impl<T: Scalar> RowKernel<T> for Angles<'_, T> {
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) {
         let Self { hinges, x, damping, .. } = self;
-        for (batch, (phi, out)) in hinges.batches.parts()[self.part].own().zip(self.phi.iter().zip(self.out)) {
+        let packs = self.shares.iter().zip(self.phi).zip(self.out);
+        for (batch, ((share, phi), out)) in hinges.batches.parts()[self.part].own().zip(packs) {
             let rest = hinges.rest(s, batch);
             let edges = hinges.edges(s, batch, x);
             let mut deviation = hinge::deviation(hinge::theta(edges), rest.rest_angle);
@@ -161,7 +170,7 @@ impl<T: Scalar> RowKernel<T> for Angles<'_, T> {
                 let change = hinge::gradient(edges, rest.normal_floor).change(moves);
                 deviation += change * change.splat(at.rate);
             }
-            *out = with_half_angles(deviation * deviation.splat(0.5), phi);
+            *out = turned(deviation, share, phi);
         }
     }
 }

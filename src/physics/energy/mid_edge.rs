@@ -3,17 +3,18 @@
 //!
 //! Kinematics. The normal at the middle of an edge is turned about the edge, relative to the normals of its two triangles,
 //! by `φ = Θ/2 + δ` in the first and `φ = Θ/2 − δ` in the second: Θ = θ − θ̄ is the deviation of the dihedral angle of
-//! [`hinge`](super::hinge), and the turn δ, one number per edge, is free. With rest length l_i, rest area A and in-plane normal n_i of edge i
+//! [`hinge`](super::hinge), and the turn δ, one number per edge, is free. Where one of the triangles is clamped, the normal is its
+//! own, and all of Θ is φ in the other: in general `φ = σ Θ ± δ` with shares σ that add up to 1. With rest length l_i, rest area A and in-plane normal n_i of edge i
 //! in material axes, the change of curvature of a triangle is `K = Σ φ_i l_i/A n_i n_iᵀ`.
 //!
 //! Energy. `E = ½ A K : Ĉ : K = ½ Σ P_ij φ_i φ_j` per triangle, `P_ij = l_i l_j/A v_iᵀ Ĉ v_j` with `v = (n_x², n_y², n_x n_y)` and the
 //! flexural rigidity Ĉ of the sheet, minimised over all δ. Unlike that of hinges it has the rigidity of the sheet in every
 //! direction on every mesh, as constant curvature is represented exactly.
 //!
-//! Gradient. At the minimum over δ only the angles count: the moment of an edge is `∂E/∂θ = ½ Σ_T (P φ)_e`, and times ∇θ it is
+//! Gradient. At the minimum over δ only the angles count: the moment of an edge is `∂E/∂θ = Σ_T σ (P φ)_e`, and times ∇θ it is
 //! the gradient. What is left to the minimum is the residual `∂E/∂δ = (P φ)_e` of the first triangle less that of the second.
 //!
-//! Hessian. For fixed δ Gauss–Newton gives `Σ_T P_ij/4 ∇θ_i ∇θ_jᵀ`, which couples the six vertices of a triangle and its
+//! Hessian. For fixed δ Gauss–Newton gives `Σ_T σ_i σ_j P_ij ∇θ_i ∇θ_jᵀ`, which couples the six vertices of a triangle and its
 //! neighbours. [`lumped`] is the diagonal matrix that bounds it from above, and couples no more vertices than hinges do.
 
 use crate::physics::math::Real;
@@ -78,10 +79,10 @@ impl<T: Real> Rows<T> {
 }
 
 impl<T: Real> Bent<T> {
-    /// ∂E/∂θ, N·m.
+    /// ∂E/∂θ, N·m, for the share of the first triangle in Θ.
     #[inline(always)]
-    pub fn moment(&self) -> T {
-        (self.first + self.second) * self.first.splat(0.5)
+    pub fn moment(&self, share: T) -> T {
+        self.second + (self.first - self.second) * share
     }
 
     /// ∂E/∂δ, N·m.
@@ -97,10 +98,11 @@ impl<T: Real> Bent<T> {
     }
 }
 
-/// The entry of the diagonal matrix that bounds the Hessian from above: `Σ_j |Q_ej|` with `Q = Σ_T P/4` (Gershgorin), N·m.
-/// `bends` says which of the four other edges have an angle: the boundary has none.
-pub fn lumped(rows: &Rows<f64>, bends: [bool; 4]) -> f64 {
-    let others = [rows.first[1], rows.first[2], rows.second[1], rows.second[2]];
-    let coupled = others.into_iter().zip(bends).filter(|(_, bends)| *bends).map(|(entry, _)| entry.abs());
-    0.25 * (rows.first[0] + rows.second[0] + coupled.sum::<f64>())
+/// The entry of the diagonal matrix that bounds the Hessian from above: `Σ_j |Q_ej|` with `Q = Σ_T σ_e σ_j P_ej` (Gershgorin),
+/// N·m, for the shares of the edge in its triangles and of the four other edges; those at the boundary have none.
+pub fn lumped(rows: &Rows<f64>, own: [f64; 2], others: [f64; 4]) -> f64 {
+    let [a, b, c] = rows.first;
+    let [d, e, f] = rows.second;
+    own[0] * (own[0] * a + others[0] * b.abs() + others[1] * c.abs())
+        + own[1] * (own[1] * d + others[2] * e.abs() + others[3] * f.abs())
 }

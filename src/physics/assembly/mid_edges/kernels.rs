@@ -4,16 +4,22 @@ use core::ops::Range;
 
 use super::topology::Side;
 use crate::physics::energy::mid_edge::{Bent, Rows};
-use crate::physics::math::{Lanes, Oct, Pack, ROWS, Real, RowKernel, Scalar};
+use crate::physics::math::{Lanes, Oct, Pack, ROWS, RowKernel, Scalar};
 
 /// φ of eight edges, in the first triangle of each and in the second, rad.
 pub(in super::super) type Phi<T> = [Pack<T>; 2];
 
-/// Half the deviation Θ/2 of eight angles has changed, and their turns δ have not: φ = Θ/2 ± δ.
+/// φ = σ Θ ± δ of eight edges with deviations Θ and the turns δ of another φ; `share` is σ of the first triangle.
 #[inline(always)]
-pub(in super::super) fn with_half_angles<T: Scalar, S: Oct<T>>(half: Lanes<T, S>, [first, second]: &Phi<T>) -> Phi<T> {
-    let turn = (half.like(first) - half.like(second)) * half.splat(0.5);
-    [(half + turn).store(), (half - turn).store()]
+pub(in super::super) fn turned<T: Scalar, S: Oct<T>>(
+    deviation: Lanes<T, S>,
+    share: &Pack<T>,
+    [first, second]: &Phi<T>,
+) -> Phi<T> {
+    let (share, first, second) = (deviation.like(share), deviation.like(first), deviation.like(second));
+    let turn = first - share * (first + second);
+    let first = share * deviation + turn;
+    [first.store(), (deviation - first).store()]
 }
 
 /// Edges in packs.
@@ -53,6 +59,7 @@ impl<T: Scalar> Packs<'_, T> {
 pub(super) struct Sweep<'a, T> {
     pub packs: Packs<'a, T>,
     pub relaxation: &'a [Pack<T>],
+    pub shares: &'a [Pack<T>],
     pub first: usize,
     pub phi: &'a mut [Phi<T>],
     pub moments: &'a mut [Pack<T>],
@@ -67,7 +74,7 @@ impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
             let ([first, second], bent) = self.packs.bend(s, pack);
             let turn = bent.residual() * Lanes::load(s, &self.relaxation[pack]);
             *phi = [(first - turn).store(), (second + turn).store()];
-            *moment = bent.moment().store();
+            *moment = bent.moment(Lanes::load(s, &self.shares[pack])).store();
         }
     }
 }

@@ -11,7 +11,7 @@ mod topology;
 use core::ops::Range;
 
 use self::kernels::{EnergyOf, Packs, Sweep};
-pub(super) use self::kernels::{Phi, with_half_angles};
+pub(super) use self::kernels::{Phi, turned};
 use self::topology::{Edges, Side};
 use super::batch::FILLER;
 use super::parts::{Part, for_parts};
@@ -37,9 +37,11 @@ pub(super) struct MidEdges<T> {
     rows: Vec<Rows<Pack<T>>>,
     /// By pack: share of the residual that a sweep takes away, 1/(N·m); zero where the turn is held.
     relaxation: Vec<Pack<T>>,
+    /// By pack: share of the first triangle in Θ.
+    shares: Vec<Pack<T>>,
     /// By triangle: its vertices.
     triangles: Vec<[u32; 3]>,
-    /// Vertices held when `relaxation` was made.
+    /// Vertices held when those were made.
     held: Vec<bool>,
     /// By pack: with Θ as damping has it, see [`Hinges::prepare`](super::hinges::Hinges::prepare).
     phi: Vec<Phi<T>>,
@@ -79,6 +81,7 @@ impl<T: Scalar> MidEdges<T> {
             triangles: shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect(),
             rows: Vec::new(),
             relaxation: Vec::new(),
+            shares: Vec::new(),
             held: vec![false; shape.vertex_count()],
             phi: vec![[zero; 2]; count],
             next_phi: vec![[zero; 2]; count],
@@ -88,8 +91,8 @@ impl<T: Scalar> MidEdges<T> {
         }
     }
 
-    /// Changes the material, and returns for each hinge what bounds its part of the Hessian from above, N·m.
-    pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) -> Vec<f64> {
+    /// Changes the material.
+    pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
         let rows = self.edges.rows(shape, fabric);
         let pack = |pack: usize, value: &dyn Fn(&Rows<f64>) -> f64| {
             Pack(core::array::from_fn(|lane| T::from_f64(value(&rows[pack * ROWS + lane]))))
@@ -100,86 +103,114 @@ impl<T: Scalar> MidEdges<T> {
                 second: [0, 1, 2].map(|entry| pack(i, &|rows| rows.second[entry])),
             })
             .collect();
-        self.set_relaxation();
-        let mut bounds = vec![0.0; shape.hinges.len()];
-        for (edge, rows) in rows.iter().enumerate() {
-            if let Some(hinge) = self.edges.hinge(edge) {
-                let bends = self.edges.others(edge).map(|other| self.edges.hinge(other.edge()).is_some());
-                bounds[hinge as usize] = lumped(rows, bends);
+        self.clamp();
+    }
+
+    /// Clamps every triangle that is held by all its vertices: it does not bend, and the cloth leaves it at its tangent. Says
+    /// whether that is a change.
+    pub fn hold(&mut self, held: &[bool]) -> bool {
+        let changed = self.held != held;
+        if changed {
+            self.held.copy_from_slice(held);
+            self.clamp();
+        }
+        changed
+    }
+
+    fn clamp(&mut self) {
+        let Self { edges, triangles, held, rows, .. } = &*self;
+        let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
+        let clamped = |edge: usize| edges.triangles(edge).map(|triangle| triangle.is_some_and(fixed));
+        let by_pack = |value: &dyn Fn(usize) -> f64| {
+            let pack = |pack: usize| Pack(core::array::from_fn(|lane| T::from_f64(value(pack * ROWS + lane))));
+            (0..rows.len()).map(pack).collect()
+        };
+        let shares = by_pack(&|edge| match clamped(edge) {
+            [true, false] => 0.0,
+            [false, true] => 1.0,
+            _ => 0.5,
+        });
+        let relaxation = by_pack(&|edge| {
+            let Rows { first, second } = self.rows(edge);
+            let turns = edges.triangles(edge)[0].is_some() && clamped(edge) == [false; 2] && first[0] + second[0] > 0.0;
+            if turns { RELAXATION / (first[0] + second[0]) } else { 0.0 }
+        });
+        (self.shares, self.relaxation) = (shares, relaxation);
+        // What is clamped has no turn.
+        for (pack, [first, second]) in self.phi.iter_mut().enumerate() {
+            for lane in 0..ROWS {
+                if self.relaxation[pack].0[lane] == T::zero() {
+                    let (deviation, share) = (first.0[lane] + second.0[lane], self.shares[pack].0[lane]);
+                    first.0[lane] = share * deviation;
+                    second.0[lane] = deviation - first.0[lane];
+                }
             }
         }
-        bounds
     }
 
-    /// Holds the turns of the edges of every triangle that is held by all its vertices: what is clamped does not bend.
-    pub fn hold(&mut self, held: &[bool]) {
-        if self.held != held {
-            self.held.copy_from_slice(held);
-            self.set_relaxation();
-        }
+    fn rows(&self, edge: usize) -> Rows<f64> {
+        let Rows { first, second } = &self.rows[edge / ROWS];
+        let entry = |pack: &Pack<T>| pack.0[edge % ROWS].to_f64();
+        Rows { first: first.each_ref().map(entry), second: second.each_ref().map(entry) }
     }
 
-    fn set_relaxation(&mut self) {
-        let Self { edges, triangles, held, rows, phi, .. } = self;
-        self.relaxation.clear();
-        self.relaxation.extend(rows.iter().enumerate().map(|(pack, rows)| {
-            Pack(core::array::from_fn(|lane| {
-                let edge = pack * ROWS + lane;
-                let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
-                if edges.triangles(edge).any(fixed) {
-                    let [first, second] = &mut phi[pack];
-                    let half = T::from_f64(0.5) * (first.0[lane] + second.0[lane]);
-                    (first.0[lane], second.0[lane]) = (half, half);
-                    return T::zero();
-                }
-                let diagonal = rows.first[0].0[lane].to_f64() + rows.second[0].0[lane].to_f64();
-                let turns = edges.triangles(edge).next().is_some() && diagonal > 0.0;
-                T::from_f64(if turns { RELAXATION / diagonal } else { 0.0 })
-            }))
-        }));
+    /// What bounds the part of each hinge of a batch in the Hessian from above, N·m.
+    pub fn bounds(&self, batch: usize) -> Pack<T> {
+        let share = |edge: usize, second: bool| {
+            let share = self.shares[edge / ROWS].0[edge % ROWS].to_f64();
+            if second { 1.0 - share } else { share }
+        };
+        Pack(self.places[batch].map(|edge| {
+            let edge = edge as usize;
+            let others = self.edges.others(edge).map(|other| {
+                let bends = self.edges.hinge(other.edge()).is_some();
+                if bends { share(other.edge(), other.is_second()) } else { 0.0 }
+            });
+            T::from_f64(lumped(&self.rows(edge), [share(edge, false), share(edge, true)], others))
+        }))
     }
 
-    /// Brings the turns towards the minimum of the energy for the angles that `half_angles` writes, for one part of the cloth
+    /// Brings the turns towards the minimum of the energy for the angles that `angles` writes, for one part of the cloth
     /// at a time, and finds the moments.
-    pub fn relax(&mut self, half_angles: &impl HalfAngles<T>) {
-        self.sweep(SWEEPS, half_angles);
+    pub fn relax(&mut self, angles: &impl Angles<T>) {
+        self.sweep(SWEEPS, angles);
     }
 
     /// Brings the turns to the minimum, wherever they were.
-    pub fn settle(&mut self, half_angles: &impl HalfAngles<T>) {
+    pub fn settle(&mut self, angles: &impl Angles<T>) {
         self.phi.fill([Pack([T::zero(); ROWS]); 2]);
-        self.sweep(SWEEPS_FROM_NOTHING, half_angles);
+        self.sweep(SWEEPS_FROM_NOTHING, angles);
     }
 
-    fn sweep(&mut self, sweeps: u32, half_angles: &impl HalfAngles<T>) {
-        let Self { parts, rows, others, relaxation, phi, next_phi, moments, .. } = self;
-        find_phi(parts, phi, next_phi, half_angles);
+    fn sweep(&mut self, sweeps: u32, angles: &impl Angles<T>) {
+        let Self { parts, rows, others, relaxation, shares, phi, next_phi, moments, .. } = self;
+        find_phi(parts, shares, phi, next_phi, angles);
         core::mem::swap(phi, next_phi);
         for _ in 0..sweeps {
             let packs = Packs { rows, others, phi };
             for_parts(parts, (&mut next_phi[..], &mut moments[..]), &|part: &Part, (phi, moments)| {
-                T::dispatch(Sweep { packs, relaxation, first: part.rows.start, phi, moments });
+                T::dispatch(Sweep { packs, relaxation, shares, first: part.rows.start, phi, moments });
             });
             core::mem::swap(phi, next_phi);
         }
     }
 
     /// Energy for the turns there are and other angles, J.
-    pub fn energy(&mut self, half_angles: &impl HalfAngles<T>) -> f64 {
+    pub fn energy(&mut self, angles: &impl Angles<T>) -> f64 {
         let mut phi = core::mem::take(&mut self.next_phi);
-        let energy = self.energy_in(&mut phi, half_angles);
+        let energy = self.energy_in(&mut phi, angles);
         self.next_phi = phi;
         energy
     }
 
     /// The same, for those who may not change anything.
-    pub fn energy_at(&self, half_angles: &impl HalfAngles<T>) -> f64 {
-        self.energy_in(&mut self.phi.clone(), half_angles)
+    pub fn energy_at(&self, angles: &impl Angles<T>) -> f64 {
+        self.energy_in(&mut self.phi.clone(), angles)
     }
 
-    fn energy_in(&self, phi: &mut [Phi<T>], half_angles: &impl HalfAngles<T>) -> f64 {
+    fn energy_in(&self, phi: &mut [Phi<T>], angles: &impl Angles<T>) -> f64 {
         let Self { parts, rows, others, .. } = self;
-        find_phi(parts, &self.phi, phi, half_angles);
+        find_phi(parts, &self.shares, &self.phi, phi, angles);
         let packs = Packs { rows, others, phi };
         for_parts(parts, (), &|part: &Part, ()| T::dispatch(EnergyOf { packs, range: part.rows.clone() }))
     }
@@ -200,17 +231,23 @@ fn packs(index: usize, range: Range<usize>) -> Part {
     Part { index, rows: range, slices: 0..0, groups: 0..0, incoming: 0..0 }
 }
 
-/// Writes φ of the edges of a part, for other angles and the turns of the φ given.
-pub(super) trait HalfAngles<T>: Fn(usize, &[Phi<T>], &mut [Phi<T>]) + Sync {}
+/// Writes φ of the edges of a part, for other angles and the turns of the φ given, with the shares of the first triangles.
+pub(super) trait Angles<T>: Fn(usize, &[Pack<T>], &[Phi<T>], &mut [Phi<T>]) + Sync {}
 
-impl<T, F: Fn(usize, &[Phi<T>], &mut [Phi<T>]) + Sync> HalfAngles<T> for F {}
+impl<T, F: Fn(usize, &[Pack<T>], &[Phi<T>], &mut [Phi<T>]) + Sync> Angles<T> for F {}
 
 /// φ for other angles and the same turns. Edges without hinge are the last part, and have no angle.
-fn find_phi<T: Scalar>(parts: &[Part], phi: &[Phi<T>], next: &mut [Phi<T>], half_angles: &impl HalfAngles<T>) {
+fn find_phi<T: Scalar>(
+    parts: &[Part],
+    shares: &[Pack<T>],
+    phi: &[Phi<T>],
+    next: &mut [Phi<T>],
+    angles: &impl Angles<T>,
+) {
     for_parts(parts, next, &|part: &Part, next| {
         let phi = &phi[part.rows.clone()];
         if part.index + 1 < parts.len() {
-            half_angles(part.index, phi, next);
+            angles(part.index, &shares[part.rows.clone()], phi, next);
         } else {
             next.copy_from_slice(phi);
         }

@@ -49,7 +49,7 @@ impl Side {
     }
 
     /// Whether the triangle is its second.
-    fn is_second(self) -> bool {
+    pub fn is_second(self) -> bool {
         self.place() % (2 * ROWS) >= ROWS
     }
 }
@@ -108,8 +108,8 @@ impl Edges {
     }
 
     /// The triangles whose normals the turn of an edge is relative to: none if it has no turn.
-    pub fn triangles(&self, edge: usize) -> impl Iterator<Item = u32> {
-        self.corners[edge].into_iter().flatten().map(|corner| corner.triangle)
+    pub fn triangles(&self, edge: usize) -> [Option<u32>; 2] {
+        self.corners[edge].map(|corner| corner.map(|corner| corner.triangle))
     }
 
     /// The two other edges of the first triangle of an edge, then of the second; itself where there is no triangle.
