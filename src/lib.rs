@@ -25,7 +25,7 @@
 //! A mesh becomes elements, elements become A and b, A is solved, positions go back to the mesh:
 //!
 //! 1. [`physics::mesh`]: triangle mesh → [`RestShape`](physics::RestShape): welded vertices, triangles with warp and weft,
-//!    hinges.
+//!    hinges, and how it bends.
 //! 2. [`physics::energy`]: one file per energy, written over a number type: one number, or eight elements side by side.
 //! 3. [`physics::assembly`]: vertices in an order that suits the solver, elements in batches → the system A d = b of an implicit
 //!    step.

@@ -127,31 +127,30 @@ pub struct TermRow {
 /// least time of each frame counts.
 pub fn measure(side: u32, settings: SolverSettings, frames: u32, repeat: u32, progress: &ProgressBar) -> Vec<TermRow> {
     let sheet = Sheet::new(side, Meshing::Grid);
-    let mut times = vec![vec![Duration::MAX; frames as usize]; Term::ALL.len()];
+    let mut times = vec![[Duration::MAX; Term::ALL.len()]; frames as usize];
     let mut iterations = [0; Term::ALL.len()];
     for run in 0..repeat {
         let mut cloths = Term::ALL.map(|term| term.cloth(&sheet, settings));
-        for frame in 0..frames as usize {
-            for (which, cloth) in cloths.iter_mut().enumerate() {
+        for times in &mut times {
+            for ((cloth, time), iterations) in cloths.iter_mut().zip(times).zip(&mut iterations) {
                 let start = ProcessTime::now();
                 let report = cloth.step(DT);
-                times[which][frame] = times[which][frame].min(start.elapsed());
-                iterations[which] += if run == 0 { report.iterations } else { 0 };
+                *time = (*time).min(start.elapsed());
+                *iterations += if run == 0 { report.iterations } else { 0 };
             }
             progress.inc(1);
         }
     }
-    let row = |(which, term): (usize, Term)| TermRow {
+    let which = |term: Term| Term::ALL.iter().position(|other| *other == term).expect("all are measured");
+    let ms = |term: Term| median(&times.iter().map(|times| times[which(term)]).collect::<Vec<_>>());
+    let row = |term: Term| TermRow {
         term,
         side,
-        cpu_ms: median(&times[which]),
-        ratio: term.without().map(|other| {
-            let other = Term::ALL.iter().position(|term| *term == other).expect("all are measured");
-            median(&times[which]) / median(&times[other])
-        }),
-        iterations: f64::from(iterations[which]) / f64::from(frames),
+        cpu_ms: ms(term),
+        ratio: term.without().map(|other| ms(term) / ms(other)),
+        iterations: f64::from(iterations[which(term)]) / f64::from(frames),
     };
-    Term::ALL.into_iter().enumerate().map(row).collect()
+    Term::ALL.into_iter().map(row).collect()
 }
 
 /// The rows for the reader.

@@ -54,7 +54,7 @@ impl Figure for Errors<'_> {
         inside.draw(&PathElement::new([(1.0, 0.0), (1.0, cases.len() as f64)], BLACK.stroke_width(2)))?;
         for (which, case) in cases.iter().enumerate() {
             // To the left of the axis.
-            inside.draw(&(EmptyElement::at((LEAST, height(which))) + Text::new(*case, (-235, -9), FONT)))?;
+            inside.draw(&(EmptyElement::at((LEAST, height(which))) + Text::new(*case, (-235, -5), FONT)))?;
             for row in self.0.iter().filter(|row| row.case == *case) {
                 let error = (row.error.abs() / row.tolerance).clamp(LEAST, MOST);
                 let colour = if row.pass { RIGHT } else { OFF };

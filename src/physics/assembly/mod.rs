@@ -2,7 +2,7 @@
 //!
 //! [`Ordering`] numbers the vertices; [`pattern`] finds which 3×3 blocks of A exist, and where each is stored; [`block_csr`]
 //! holds their values, in [`group`]s of eight rows; `triangles` and `hinges` run the energies over batches of elements and
-//! add into precomputed slots; [`System`] puts A and b together; [`Constraints`] take the pinned vertices out.
+//! add into precomputed slots, `hinges` with the moments of `mid_edges` unless the cloth bends by hinges alone; [`System`] puts A and b together; [`Constraints`] take the pinned vertices out.
 //!
 //! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`. One that feels a translation, as contact
 //! with the world does, puts its part of the diagonal there itself, as inertia does: see `row_sums`.

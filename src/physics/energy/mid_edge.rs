@@ -59,9 +59,11 @@ pub struct Rows<T> {
     pub second: [T; 3],
 }
 
-/// What the turns φ of an edge and its neighbours give.
+/// What the φ of an edge and its neighbours give.
 #[derive(Clone, Copy, Debug)]
 pub struct Bent<T> {
+    /// φ of the edge in its first and second triangle, rad.
+    pub own: [T; 2],
     /// (P φ)_e of the first triangle, N·m.
     pub first: T,
     /// (P φ)_e of the second.
@@ -74,7 +76,11 @@ impl<T: Real> Rows<T> {
     pub fn bend(&self, own: [T; 2], others: [T; 4]) -> Bent<T> {
         let [a, b, c] = self.first;
         let [d, e, f] = self.second;
-        Bent { first: a * own[0] + b * others[0] + c * others[1], second: d * own[1] + e * others[2] + f * others[3] }
+        Bent {
+            own,
+            first: a * own[0] + b * others[0] + c * others[1],
+            second: d * own[1] + e * others[2] + f * others[3],
+        }
     }
 }
 
@@ -93,8 +99,9 @@ impl<T: Real> Bent<T> {
 
     /// The part of the energy that is counted at the edge, J.
     #[inline(always)]
-    pub fn energy(&self, own: [T; 2]) -> T {
-        (self.first * own[0] + self.second * own[1]) * own[0].splat(0.5)
+    pub fn energy(&self) -> T {
+        let [first, second] = self.own;
+        (self.first * first + self.second * second) * first.splat(0.5)
     }
 }
 

@@ -31,17 +31,16 @@ pub(super) struct Packs<'a, T> {
 }
 
 impl<T: Scalar> Packs<'_, T> {
-    /// φ of a pack, and what it gives.
+    /// What φ of a pack and of the edges around give.
     #[inline(always)]
-    fn bend<S: Oct<T>>(&self, s: S, pack: usize) -> ([Lanes<T, S>; 2], Bent<Lanes<T, S>>) {
+    fn bend<S: Oct<T>>(&self, s: S, pack: usize) -> Bent<Lanes<T, S>> {
         let Rows { first: [a, b, c], second: [d, e, f] } = &self.rows[pack];
         let load = |pack| Lanes::load(s, pack);
         let rows = Rows { first: [load(a), load(b), load(c)], second: [load(d), load(e), load(f)] };
         let [w, x, y, z] = &self.others[pack];
         let others = [self.gather(s, w), self.gather(s, x), self.gather(s, y), self.gather(s, z)];
         let [first, second] = &self.phi[pack];
-        let own = [load(first), load(second)];
-        (own, rows.bend(own, others))
+        rows.bend([load(first), load(second)], others)
     }
 
     #[inline(always)]
@@ -71,7 +70,8 @@ impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) {
         for (pack, (phi, moment)) in (self.first..).zip(self.phi.iter_mut().zip(self.moments)) {
-            let ([first, second], bent) = self.packs.bend(s, pack);
+            let bent = self.packs.bend(s, pack);
+            let [first, second] = bent.own;
             let turn = bent.residual() * Lanes::load(s, &self.relaxation[pack]);
             *phi = [(first - turn).store(), (second + turn).store()];
             *moment = bent.moment(Lanes::load(s, &self.shares[pack])).store();
@@ -92,8 +92,7 @@ impl<T: Scalar> RowKernel<T> for EnergyOf<'_, T> {
     fn run<S: Oct<T>>(self, s: S) -> f64 {
         let mut sum = 0.0;
         for pack in self.range {
-            let (own, bent) = self.packs.bend(s, pack);
-            sum += bent.energy(own).store().sum();
+            sum += self.packs.bend(s, pack).energy().store().sum();
         }
         sum
     }
