@@ -5,6 +5,7 @@ mod assembly;
 mod derivatives;
 mod determinism;
 mod meshes;
+mod newton;
 mod pins;
 mod preconditioners;
 mod rest_shape;

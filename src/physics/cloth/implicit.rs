@@ -57,6 +57,15 @@ enum Scheme {
     Bdf2(Bdf2),
 }
 
+/// Where a solve starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Guess {
+    /// Where inertia leads.
+    Inertia,
+    /// At the point of linearisation, where an earlier solve of this step has led.
+    Point,
+}
+
 /// What of the linear system depends on the scheme.
 #[derive(Clone, Copy)]
 pub(super) struct Linear {
@@ -133,10 +142,44 @@ impl<T: Scalar> Implicit<T> {
         Linear { gamma, projection, damping: self.damping, air_drag: self.air_drag, pin_share }
     }
 
+    /// Newton's method: solves for `moves`, from the last point of linearisation to where the scheme leads, after moving that
+    /// point to where all solves before the last have led. Inexact (Dembo, Eisenstat & Steihaug 1982): each solve stops at
+    /// a share of its own first residual, or when what is left of it would pass for rest.
+    fn iterate(
+        &mut self,
+        linear: Linear,
+        step: Step,
+        state: &State,
+        report: &mut StepReport,
+    ) -> Result<(), ClothFault> {
+        self.solve(linear, Guess::Inertia, step, state, report)?;
+        for _ in 1..self.settings.newton_steps {
+            self.move_point();
+            let before = report.iterations;
+            self.solve(linear, Guess::Point, step, state, report)?;
+            if self.settings.kind.is_iterative() && report.iterations == before {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the point of linearisation to where the last solve led.
+    fn move_point(&mut self) {
+        let Self { system, point, moves, .. } = self;
+        let moves = &moves[..];
+        for_parts(system.matrix.pattern().parts(), &mut point[..], &|part: &Part, point| {
+            for (point, &moved) in point.iter_mut().zip(&moves[part.rows.clone()]) {
+                *point += moved;
+            }
+        });
+    }
+
     /// Solves for `moves`, from the point of linearisation to where the scheme leads.
     pub fn solve(
         &mut self,
         linear: Linear,
+        guess: Guess,
         step: Step,
         state: &State,
         report: &mut StepReport,
@@ -155,7 +198,9 @@ impl<T: Scalar> Implicit<T> {
             projection: linear.projection,
             drift: DVec3::ZERO,
         };
-        implicit.drift = if any_held {
+        implicit.drift = if any_held && guess == Guess::Point {
+            DVec3::ZERO
+        } else if any_held {
             let parts = system.matrix.pattern().parts();
             let moves = for_parts(parts, (), &|part: &Part, ()| {
                 part.rows.clone().map(|vertex| step.masses[vertex] * implicit.inertial_move(vertex)).sum::<DVec3>()
@@ -178,13 +223,16 @@ impl<T: Scalar> Implicit<T> {
         // Gravity is in the starting guess only if nothing holds the cloth: rest must not depend on how well the solver
         // takes it out again.
         let fall = if any_held { DVec3::ZERO } else { implicit.free_fall() };
-        let guess = |vertex: usize| {
-            let free = implicit.inertial_move(vertex) + fall - implicit.drift;
+        let guessed = |vertex: usize| {
+            let free = match guess {
+                Guess::Inertia => implicit.inertial_move(vertex) + fall - implicit.drift,
+                Guess::Point => -implicit.drift,
+            };
             if held[vertex] { prescribed(vertex) } else { Padded::from_f64(free.to_array()) }
         };
         for_parts(system.matrix.pattern().parts(), &mut solution[..], &|part: &Part, solution| {
             for (d, vertex) in solution.iter_mut().zip(part.rows.clone()) {
-                *d = guess(vertex);
+                *d = guessed(vertex);
             }
         });
         let mut target = self.settings.target(step.mass, linear.gamma);
@@ -230,7 +278,8 @@ impl<T: Scalar> Implicit<T> {
             }
             let reached = point[vertex] + moves[vertex];
             match scheme {
-                Scheme::BackwardEuler => (reached, moves[vertex] / dt),
+                // Not `reached - x`, in which the digits of a small move are lost.
+                Scheme::BackwardEuler => (reached, (point[vertex] - x + moves[vertex]) / dt),
                 Scheme::Midpoint => (2.0 * reached - x, 4.0 / dt * (reached - x) - v),
                 Scheme::Bdf2(bdf2) => (reached, (reached - origin[vertex]) / bdf2.gamma),
             }
@@ -248,7 +297,7 @@ impl<T: Scalar> Engine for Implicit<T> {
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
         let scheme = self.scheme(step.dt);
         let linear = self.predict(scheme, step.dt, state);
-        let solved = self.solve(linear, step, state, report).map(|()| self.finish(scheme, step, state));
+        let solved = self.iterate(linear, step, state, report).map(|()| self.finish(scheme, step, state));
         let checked = self.checked(step, state);
         let energy = match solved.ok().and_then(|()| self.acceptable(&checked, step, state)) {
             Some(energy) => {
@@ -278,6 +327,10 @@ impl<T: Scalar> Engine for Implicit<T> {
         self.damping = fabric.damping.into();
         self.air_drag = fabric.air_drag.into();
         self.energy_now = None;
+    }
+
+    fn set_settings(&mut self, settings: &SolverSettings) {
+        self.settings = *settings;
     }
 
     fn restart(&mut self) {

@@ -186,12 +186,15 @@ impl Cloth {
         &self.settings
     }
 
-    /// Changes how steps are solved; the cloth keeps its motion.
+    /// Changes how steps are solved; the cloth keeps its motion. Costs nothing unless precision, solver, preconditioner or
+    /// the limit of iterations are others: these are built anew.
     pub fn set_settings(&mut self, settings: SolverSettings) {
-        if settings != self.settings {
+        if settings.same_engine(&self.settings) {
+            self.engine.set_settings(&settings);
+        } else {
             self.engine = engine::new(&self.shape, &self.fabric, &settings, &self.ordering);
-            self.settings = settings;
         }
+        self.settings = settings;
     }
 
     /// Gravity, m/s².
