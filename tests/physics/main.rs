@@ -8,6 +8,7 @@ mod meshes;
 mod newton;
 mod pins;
 mod preconditioners;
+mod quality;
 mod rest_shape;
 mod solvers;
 mod steps;

@@ -5,6 +5,7 @@ mod implicit;
 mod integrator;
 mod measure;
 mod pins;
+mod quality;
 mod rigid;
 mod safeguard;
 mod settings;
@@ -20,6 +21,7 @@ use self::engine::Engine;
 use self::pins::Pins;
 pub use integrator::Integrator;
 pub use measure::{Energy, Stretch};
+pub use quality::Quality;
 pub use settings::{Precision, SettingsError, SolverSettings};
 
 use crate::physics::assembly::Ordering;
