@@ -1,7 +1,7 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
 //! One folder per subcommand ([`mod@bench`], [`validate`]), beside what they share: [`scenes`] that others have measured too, the
-//! [`matrix`] of a cloth, [`memory`] in use, [`report`]s as tables and JSON, and [`plot`]s as pictures.
+//! [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`], [`report`]s as tables and JSON, and [`plot`]s as pictures.
 
 #![warn(missing_docs)]
 
@@ -9,6 +9,7 @@ pub mod bench;
 pub mod matrix;
 pub mod memory;
 pub mod plot;
+pub mod quality;
 pub mod report;
 pub mod scenes;
 pub mod validate;

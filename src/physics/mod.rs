@@ -11,7 +11,8 @@ pub mod mesh;
 pub mod solve;
 
 pub use cloth::{
-    Cloth, ClothFault, Energy, Integrator, Precision, SettingsError, SolverSettings, StepOutcome, StepReport, Stretch,
+    Cloth, ClothFault, Energy, Integrator, Precision, Quality, SettingsError, SolverSettings, StepOutcome, StepReport,
+    Stretch,
 };
 pub use material::{Fabric, MaterialError};
 pub use mesh::{BendingModel, MeshError, RestShape, RestShapeOptions, SurfaceMesh};

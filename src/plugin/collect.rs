@@ -3,10 +3,11 @@
 use bevy::math::{DAffine3, DVec3};
 use bevy::prelude::*;
 
-use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets, ClothSolver};
+use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
 use super::error::ClothError;
 use super::material::ClothMaterial;
 use super::pins::ClothPins;
+use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 use super::state::{ClothState, representatives, rest_shape, same_scale, usable};
 use crate::physics::Cloth;
 
@@ -16,6 +17,7 @@ type Described<'a> = (
     &'a ClothMesh,
     Option<&'a ClothMaterial>,
     Option<&'a ClothSolver>,
+    Option<&'a ClothQuality>,
     Option<Ref<'a, ClothPins>>,
     Option<&'a ClothPinTargets>,
     Has<ClothDisabled>,
@@ -25,13 +27,15 @@ type Described<'a> = (
 /// See [`ClothSystems::Collect`](super::ClothSystems::Collect).
 pub(super) fn collect(
     gravity: Res<ClothGravity>,
+    default_quality: Res<ClothDefaultQuality>,
     meshes: Res<Assets<Mesh>>,
     transforms: TransformHelper,
     mut cloths: Query<Described>,
 ) {
-    for (entity, mut state, cloth_mesh, material, solver, pins, targets, disabled, propagated) in &mut cloths {
+    for (entity, mut state, cloth_mesh, material, solver, quality, pins, targets, disabled, propagated) in &mut cloths {
         let state = &mut *state;
-        state.collect_settings(material, solver, gravity.as_dvec3());
+        state.collect_solver(solver, *quality.unwrap_or(&default_quality.0));
+        state.collect_material(material, gravity.as_dvec3());
         state.collect_pin_rules(pins, &meshes);
         if disabled {
             state.suspended = true;
@@ -47,19 +51,22 @@ pub(super) fn collect(
 }
 
 impl ClothState {
-    fn collect_settings(&mut self, material: Option<&ClothMaterial>, solver: Option<&ClothSolver>, gravity: DVec3) {
+    /// Settings given one by one come before a level of quality.
+    fn collect_solver(&mut self, solver: Option<&ClothSolver>, quality: ClothQuality) {
+        let settings = solver.map_or_else(|| quality.settings(), |solver| solver.0);
+        if settings != *self.cloth.settings() || self.faults.solver.is_some() {
+            self.faults.solver = settings.validate().err().map(Into::into);
+            if self.faults.solver.is_none() {
+                self.cloth.set_settings(settings);
+            }
+        }
+    }
+
+    fn collect_material(&mut self, material: Option<&ClothMaterial>, gravity: DVec3) {
         if let Some(material) = material
             && (material.0 != *self.cloth.fabric() || self.faults.material.is_some())
         {
             self.faults.material = self.cloth.set_fabric(material.0).err().map(Into::into);
-        }
-        if let Some(solver) = solver
-            && (solver.0 != *self.cloth.settings() || self.faults.solver.is_some())
-        {
-            self.faults.solver = solver.validate().err().map(Into::into);
-            if self.faults.solver.is_none() {
-                self.cloth.set_settings(solver.0);
-            }
         }
         if gravity != self.cloth.gravity() {
             self.cloth.set_gravity(gravity);

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::error::ClothError;
 use super::material::ClothMaterial;
 use super::pins::ClothPins;
-use crate::physics::{BendingModel, RestShapeOptions, SolverSettings};
+use crate::physics::{BendingModel, RestShapeOptions};
 
 /// Makes the mesh of this entity's [`Mesh3d`] cloth.
 ///
@@ -20,7 +20,7 @@ use crate::physics::{BendingModel, RestShapeOptions, SolverSettings};
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ClothMaterial, ClothPins, ClothSolver, Transform)]
+#[require(ClothMaterial, ClothPins, Transform)]
 pub struct ClothMesh {
     /// Vertices nearer than this are one (they are split along seams of normals and texture coordinates), m. `None`: 1e-5
     /// of the diagonal of the mesh.
@@ -77,12 +77,6 @@ impl ClothMesh {
         }
     }
 }
-
-/// How the cloth is solved: accuracy and cost, never the look of the material.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
-#[reflect(Component, Default, Clone, PartialEq)]
-pub struct ClothSolver(pub SolverSettings);
 
 /// Freezes a cloth: no cost, the mesh stays as it is and moves rigidly with the entity. Once the component is removed, the
 /// cloth goes on from there.

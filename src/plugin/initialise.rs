@@ -10,11 +10,12 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
-use super::components::{ClothMesh, ClothSolver};
+use super::components::ClothMesh;
 use super::error::{ClothError, Faults, report};
 use super::material::ClothMaterial;
 use super::mesh_io::{SourceMesh, own_copy};
 use super::pins::ClothPins;
+use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 use super::shading::Shading;
 use super::state::{Binding, ClothState, Shown, ShownFrom, representatives, rest_shape, usable};
 use crate::physics::Cloth;
@@ -29,7 +30,8 @@ pub(super) struct Candidate {
     cloth_mesh: Ref<'static, ClothMesh>,
     material: Ref<'static, ClothMaterial>,
     pins: Ref<'static, ClothPins>,
-    solver: Ref<'static, ClothSolver>,
+    solver: Option<Ref<'static, ClothSolver>>,
+    quality: Option<&'static ClothQuality>,
     state: Option<&'static mut ClothState>,
     error: Option<&'static ClothError>,
 }
@@ -51,6 +53,7 @@ pub(super) fn initialise(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     server: Option<Res<AssetServer>>,
+    default_quality: Res<ClothDefaultQuality>,
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut candidates: Query<Candidate>,
 ) {
@@ -63,7 +66,7 @@ pub(super) fn initialise(
         .collect();
     for mut candidate in &mut candidates {
         let Some(source) = candidate.wants_building(&touched) else { continue };
-        match candidate.build(source, &mut meshes, server.as_deref()) {
+        match candidate.build(source, default_quality.0, &mut meshes, server.as_deref()) {
             Err(NotBuilt::Loading) => {}
             Ok((state, aabb)) => {
                 tell_what_is_unusual(&candidate.name, &state);
@@ -96,11 +99,16 @@ impl CandidateItem<'_, '_> {
     /// The mesh to build from, if there is a reason to build; the inner `None` is an entity without mesh.
     fn wants_building(&mut self, touched: &HashSet<AssetId<Mesh>>) -> Option<Option<Handle<Mesh>>> {
         let shown = self.mesh3d.as_ref().map(|mesh3d| mesh3d.0.clone());
+        let solver_changed = match &self.solver {
+            Some(solver) => solver.is_changed(),
+            // It was taken away if its settings are still held against the cloth.
+            None => matches!(self.error, Some(ClothError::Solver(_))),
+        };
         let edited = || {
             self.cloth_mesh.is_changed()
                 || self.material.is_changed()
                 || self.pins.is_changed()
-                || self.solver.is_changed()
+                || solver_changed
                 || self.transform.is_changed()
                 || self.mesh3d.as_ref().is_some_and(Ref::is_changed)
         };
@@ -124,6 +132,7 @@ impl CandidateItem<'_, '_> {
     fn build(
         &self,
         source: Option<Handle<Mesh>>,
+        default_quality: ClothQuality,
         meshes: &mut Assets<Mesh>,
         server: Option<&AssetServer>,
     ) -> Result<(ClothState, Aabb), NotBuilt> {
@@ -165,8 +174,10 @@ impl CandidateItem<'_, '_> {
             fresh: true,
         };
         let positions = binding.rest_positions(anchor);
-        self.solver.validate()?;
-        let mut cloth = Cloth::new(shape, self.material.0, self.solver.0)?;
+        let quality = *self.quality.unwrap_or(&default_quality);
+        let settings = self.solver.as_ref().map_or_else(|| quality.settings(), |solver| solver.0);
+        settings.validate()?;
+        let mut cloth = Cloth::new(shape, self.material.0, settings)?;
         cloth.set_state(&positions, &vec![DVec3::ZERO; positions.len()]);
         // Last, so that a refused cloth leaves no asset behind.
         binding.own = meshes.add(copy);

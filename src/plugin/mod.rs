@@ -9,8 +9,8 @@
 //!    normals, tangents and the [`Aabb`](bevy::camera::primitives::Aabb), if they changed. [`ClothError`]s are shown.
 //!
 //! In the schedule of [`ClothPlugin`] (`FixedUpdate`), once per step:
-//! 1. [`ClothSystems::Collect`]: transforms, [`ClothPins`], [`ClothPinTargets`], [`ClothMaterial`], [`ClothSolver`] and
-//!    [`ClothGravity`] go to the physics.
+//! 1. [`ClothSystems::Collect`]: transforms, [`ClothPins`], [`ClothPinTargets`], [`ClothMaterial`], [`ClothQuality`] or
+//!    [`ClothSolver`], and [`ClothGravity`] go to the physics.
 //! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side.
 //!
 //! Systems that move what holds a cloth belong before `Collect`; those that read the cloth, after `Step`.
@@ -29,6 +29,7 @@ mod lifecycle;
 mod material;
 mod mesh_io;
 mod pins;
+mod quality;
 mod shading;
 mod state;
 mod step;
@@ -40,7 +41,7 @@ use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
-pub use components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets, ClothSolver};
+pub use components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
@@ -48,6 +49,7 @@ pub use error::ClothError;
 pub use lifecycle::ClothReset;
 pub use material::ClothMaterial;
 pub use pins::{ATTRIBUTE_CLOTH_PIN, ClothPins, PinChannel, PinRule, PinVertex};
+pub use quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 pub use state::ClothState;
 
 /// Simulates every entity that has a [`ClothMesh`].
@@ -120,6 +122,7 @@ impl Plugin for ClothPlugin {
     fn build(&self, app: &mut App) {
         let time_passes = |time: Res<Time>| !time.delta().is_zero();
         app.init_resource::<ClothGravity>()
+            .init_resource::<ClothDefaultQuality>()
             .insert_resource(write_back::Interpolate(self.interpolate && self.is_fixed()))
             .configure_sets(self.schedule, (ClothSystems::Collect, ClothSystems::Step).chain())
             .configure_sets(
@@ -150,6 +153,8 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothMaterial>()
             .register_type::<ClothPins>()
             .register_type::<ClothPinTargets>()
+            .register_type::<ClothQuality>()
+            .register_type::<ClothDefaultQuality>()
             .register_type::<ClothSolver>()
             .register_type::<ClothDisabled>()
             .register_type::<ClothError>()

@@ -7,6 +7,7 @@ mod errors;
 mod lifecycle;
 mod order;
 mod pins;
+mod quality;
 mod reflect;
 mod shading;
 mod start;

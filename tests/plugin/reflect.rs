@@ -22,13 +22,16 @@ fn everything_is_registered() {
         registration::<ClothPins>(&app),
         registration::<ClothPinTargets>(&app),
         registration::<ClothSolver>(&app),
+        registration::<ClothQuality>(&app),
         registration::<ClothDisabled>(&app),
         registration::<ClothError>(&app),
     ];
     for component in components {
         assert!(component.data::<ReflectComponent>().is_some(), "{component:?}");
     }
-    assert!(registration::<ClothGravity>(&app).data::<ReflectResource>().is_some());
+    for resource in [registration::<ClothGravity>(&app), registration::<ClothDefaultQuality>(&app)] {
+        assert!(resource.data::<ReflectResource>().is_some(), "{resource:?}");
+    }
     registration::<Fabric>(&app);
     registration::<PinRule>(&app);
 }
@@ -43,6 +46,8 @@ fn what_a_user_writes_is_serialisable() {
         registration::<ClothMaterial>(&app),
         registration::<ClothPins>(&app),
         registration::<ClothPinTargets>(&app),
+        registration::<ClothQuality>(&app),
+        registration::<ClothDefaultQuality>(&app),
         registration::<ClothSolver>(&app),
         registration::<ClothDisabled>(&app),
         registration::<ClothGravity>(&app),

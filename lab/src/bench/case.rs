@@ -1,9 +1,9 @@
 //! What a row measures.
 
+use bevy_cloth::physics::Quality;
 use serde::Serialize;
 
 use super::options::{Options, Part};
-use super::quality::Quality;
 use crate::scenes::Meshing;
 
 /// Cloths of one sheet, hung side by side.
@@ -18,13 +18,14 @@ pub struct Case {
     /// Threads of the pool that they are stepped in.
     pub threads: usize,
     /// How well they are solved.
+    #[serde(serialize_with = "crate::quality::serialize")]
     pub quality: Quality,
 }
 
 impl Case {
     /// One cloth on one thread.
     pub const fn sheet(side: u32) -> Self {
-        Self { cloths: 1, side, meshing: Meshing::Grid, threads: 1, quality: Quality::Default }
+        Self { cloths: 1, side, meshing: Meshing::Grid, threads: 1, quality: Quality::Medium }
     }
 
     /// A hundred cloths of 20², on one thread.

@@ -7,7 +7,6 @@ pub mod accuracy;
 mod case;
 mod options;
 pub mod plugin;
-mod quality;
 pub mod solver;
 pub mod spmv;
 mod statistics;
@@ -23,7 +22,6 @@ use serde::Serialize;
 
 pub use case::Case;
 pub use options::{Options, Part};
-pub use quality::Quality;
 pub use statistics::Spread;
 
 use crate::report::JsonLines;

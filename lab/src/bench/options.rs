@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use bevy_cloth::physics::Quality;
 use clap::{Args, ValueEnum};
 
-use super::quality::Quality;
+use crate::quality;
 
 /// Options of the bench.
 #[derive(Args, Clone, Debug)]
@@ -24,7 +25,7 @@ pub struct Options {
     pub threads: Option<u32>,
 
     /// How well the cloths are solved. The targets are for the default.
-    #[arg(long, value_name = "NAME", value_enum, default_value_t)]
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = quality::parser())]
     pub quality: Quality,
 
     /// Frames of 1/60 s.

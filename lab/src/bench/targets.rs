@@ -1,11 +1,11 @@
 //! What is to be reached, beside what was.
 
+use bevy_cloth::physics::Quality;
 use serde::Serialize;
 
 use super::accuracy::AccuracyRow;
 use super::case::Case;
 use super::plugin::PluginRow;
-use super::quality::Quality;
 use super::solver::SolverRow;
 use crate::report::{Table, figure};
 use crate::scenes::Meshing;
@@ -83,7 +83,7 @@ pub fn verdicts(rows: &[SolverRow], plugin: &[PluginRow], accuracy: &[AccuracyRo
             verdicts.push(Verdict::at_most(format!("{}: error over half a second, m", row.case.name()), 1.5e-2, error));
         }
     }
-    let judged = accuracy.iter().filter(|row| row.case.quality == Quality::Default);
+    let judged = accuracy.iter().filter(|row| row.case.quality == Quality::Medium);
     if let Some(error) = judged.map(AccuracyRow::stretch_error).reduce(f64::max) {
         verdicts.push(Verdict::at_most("RMS stretch against exact solves, the worst", 0.02, error));
     }

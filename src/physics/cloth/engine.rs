@@ -31,6 +31,8 @@ pub(super) trait Engine: Send + Sync {
     fn energy(&self, positions: &[DVec3]) -> ElasticEnergy;
     /// Changes the material.
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric);
+    /// Changes settings that [`SolverSettings::same_engine`] allows.
+    fn set_settings(&mut self, settings: &SolverSettings);
     /// Forgets earlier states: the present one was put there from outside.
     fn restart(&mut self);
     /// Says that the cloth is at `x` now, whatever was before.

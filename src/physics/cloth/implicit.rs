@@ -15,6 +15,9 @@ use crate::physics::solve::{LinearSolver, solver};
 
 /// Share of the relative tolerance that a cloth without pins is solved to.
 const FREE_TOLERANCE: f64 = 0.1;
+/// Newton iterations of a step whose length is far from that of the one before, and of the next, at least: linearised once,
+/// they gain energy.
+const CHANGE_NEWTON_STEPS: u32 = 2;
 
 /// A cloth's linear system, its solver, and what a step remembers.
 pub(super) struct Implicit<T: Scalar> {
@@ -46,15 +49,28 @@ struct History {
     state: State,
     /// Length of the step between them, s; `None` if there was none.
     dt: Option<f64>,
+    /// Whether it was far from the length of the step before it.
+    changed: bool,
 }
 
 /// How a step is integrated.
 #[derive(Clone, Copy)]
 enum Scheme {
     BackwardEuler,
+    /// Backward Euler where the length of steps changes: free fall, which it runs ahead of, is put right.
+    Change,
     /// Half a step of backward Euler, continued to a whole one: second order from a single state.
     Midpoint,
     Bdf2(Bdf2),
+}
+
+/// Where a solve starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Guess {
+    /// Where inertia leads.
+    Inertia,
+    /// At the point of linearisation, where an earlier solve of this step has led.
+    Point,
 }
 
 /// What of the linear system depends on the scheme.
@@ -79,7 +95,7 @@ impl<T: Scalar> Implicit<T> {
             settings: *settings,
             damping: fabric.damping.into(),
             air_drag: fabric.air_drag.into(),
-            history: History { state: state.clone(), dt: None },
+            history: History { state: state.clone(), dt: None, changed: false },
             energy_now: None,
             constraints: Constraints::default(),
             system,
@@ -93,13 +109,19 @@ impl<T: Scalar> Implicit<T> {
         }
     }
 
-    fn scheme(&self, dt: f64) -> Scheme {
-        match self.settings.integrator {
-            Integrator::BackwardEuler => Scheme::BackwardEuler,
-            Integrator::Bdf2 => {
-                self.history.dt.and_then(|previous| Bdf2::new(dt, previous)).map_or(Scheme::Midpoint, Scheme::Bdf2)
-            }
-        }
+    /// The scheme of the next step, and its Newton iterations.
+    fn scheme(&mut self, dt: f64) -> (Scheme, u32) {
+        let bdf2 = self.history.dt.map(|previous| Bdf2::new(dt, previous));
+        let changed = bdf2.is_some_and(|bdf2| bdf2.is_none());
+        let scheme = match (self.settings.integrator, bdf2) {
+            (Integrator::BackwardEuler, _) => Scheme::BackwardEuler,
+            (Integrator::Bdf2, Some(None)) => Scheme::Change,
+            (Integrator::Bdf2, Some(Some(bdf2))) => Scheme::Bdf2(bdf2),
+            (Integrator::Bdf2, None) => Scheme::Midpoint,
+        };
+        let at_least = if changed || self.history.changed { CHANGE_NEWTON_STEPS } else { 1 };
+        self.history.changed = changed;
+        (scheme, self.settings.newton_steps.max(at_least))
     }
 
     /// Sets y, q and the point of linearisation.
@@ -108,7 +130,7 @@ impl<T: Scalar> Implicit<T> {
         let predict = |vertex: usize| {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
             match scheme {
-                Scheme::BackwardEuler => (x, x + dt * v, x),
+                Scheme::BackwardEuler | Scheme::Change => (x, x + dt * v, x),
                 Scheme::Midpoint => (x, x + 0.5 * dt * v, x + 0.5 * dt * v),
                 Scheme::Bdf2(bdf2) => {
                     let previous = before.velocities[vertex];
@@ -126,17 +148,52 @@ impl<T: Scalar> Implicit<T> {
             }
         });
         let (gamma, projection, pin_share) = match scheme {
-            Scheme::BackwardEuler => (dt, Projection::PositivePart, 1.0),
+            Scheme::BackwardEuler | Scheme::Change => (dt, Projection::PositivePart, 1.0),
             Scheme::Midpoint => (0.5 * dt, Projection::Absolute, 0.5),
             Scheme::Bdf2(bdf2) => (bdf2.gamma, Projection::Absolute, 1.0),
         };
         Linear { gamma, projection, damping: self.damping, air_drag: self.air_drag, pin_share }
     }
 
+    /// Newton's method: solves for `moves`, from the last point of linearisation to where the scheme leads, after moving that
+    /// point to where all solves before the last have led. Inexact (Dembo, Eisenstat & Steihaug 1982): each solve stops at
+    /// a share of its own first residual, or when what is left of it would pass for rest.
+    fn iterate(
+        &mut self,
+        linear: Linear,
+        newton_steps: u32,
+        step: Step,
+        state: &State,
+        report: &mut StepReport,
+    ) -> Result<(), ClothFault> {
+        self.solve(linear, Guess::Inertia, step, state, report)?;
+        for _ in 1..newton_steps {
+            self.move_point();
+            let before = report.iterations;
+            self.solve(linear, Guess::Point, step, state, report)?;
+            if self.settings.kind.is_iterative() && report.iterations == before {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the point of linearisation to where the last solve led.
+    fn move_point(&mut self) {
+        let Self { system, point, moves, .. } = self;
+        let moves = &moves[..];
+        for_parts(system.matrix.pattern().parts(), &mut point[..], &|part: &Part, point| {
+            for (point, &moved) in point.iter_mut().zip(&moves[part.rows.clone()]) {
+                *point += moved;
+            }
+        });
+    }
+
     /// Solves for `moves`, from the point of linearisation to where the scheme leads.
     pub fn solve(
         &mut self,
         linear: Linear,
+        guess: Guess,
         step: Step,
         state: &State,
         report: &mut StepReport,
@@ -155,7 +212,9 @@ impl<T: Scalar> Implicit<T> {
             projection: linear.projection,
             drift: DVec3::ZERO,
         };
-        implicit.drift = if any_held {
+        implicit.drift = if any_held && guess == Guess::Point {
+            DVec3::ZERO
+        } else if any_held {
             let parts = system.matrix.pattern().parts();
             let moves = for_parts(parts, (), &|part: &Part, ()| {
                 part.rows.clone().map(|vertex| step.masses[vertex] * implicit.inertial_move(vertex)).sum::<DVec3>()
@@ -179,13 +238,16 @@ impl<T: Scalar> Implicit<T> {
         // Gravity is in the starting guess only if nothing holds the cloth: rest must not depend on how well the solver
         // takes it out again.
         let fall = if any_held { DVec3::ZERO } else { implicit.free_fall() };
-        let guess = |vertex: usize| {
-            let free = implicit.inertial_move(vertex) + fall - implicit.drift;
+        let guessed = |vertex: usize| {
+            let free = match guess {
+                Guess::Inertia => implicit.inertial_move(vertex) + fall - implicit.drift,
+                Guess::Point => -implicit.drift,
+            };
             if held[vertex] { prescribed(vertex) } else { Padded::from_f64(free.to_array()) }
         };
         for_parts(system.matrix.pattern().parts(), &mut solution[..], &|part: &Part, solution| {
             for (d, vertex) in solution.iter_mut().zip(part.rows.clone()) {
-                *d = guess(vertex);
+                *d = guessed(vertex);
             }
         });
         let mut target = self.settings.target(step.mass, linear.gamma);
@@ -231,7 +293,8 @@ impl<T: Scalar> Implicit<T> {
             }
             let reached = point[vertex] + moves[vertex];
             match scheme {
-                Scheme::BackwardEuler => (reached, moves[vertex] / dt),
+                // Not `reached - x`, in which the digits of a small move are lost.
+                Scheme::BackwardEuler | Scheme::Change => (reached, (point[vertex] - x + moves[vertex]) / dt),
                 Scheme::Midpoint => (2.0 * reached - x, 4.0 / dt * (reached - x) - v),
                 Scheme::Bdf2(bdf2) => (reached, (reached - origin[vertex]) / bdf2.gamma),
             }
@@ -242,14 +305,35 @@ impl<T: Scalar> Implicit<T> {
                 (positions[i], velocities[i]) = lead(vertex);
             }
         });
+        if matches!(scheme, Scheme::Change) && !step.pins.any() {
+            self.centre_on_trapezoid(step, state);
+        }
+    }
+
+    /// Moves the candidate so that its centre of mass went at the mean of the velocities before and after. Only for cloth
+    /// without pins: no stiffness has a part in that.
+    fn centre_on_trapezoid(&mut self, step: Step, state: &State) {
+        let Self { system, candidate, .. } = self;
+        let parts = system.matrix.pattern().parts();
+        let velocities = &candidate.velocities[..];
+        let change = for_parts(parts, (), &|part: &Part, ()| {
+            let rows = part.rows.clone();
+            rows.map(|vertex| step.masses[vertex] * (velocities[vertex] - state.velocities[vertex])).sum::<DVec3>()
+        });
+        let ahead = 0.5 * step.dt / step.mass * change;
+        for_parts(parts, &mut candidate.positions[..], &|_: &Part, positions| {
+            for x in positions {
+                *x -= ahead;
+            }
+        });
     }
 }
 
 impl<T: Scalar> Engine for Implicit<T> {
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
-        let scheme = self.scheme(step.dt);
+        let (scheme, newton_steps) = self.scheme(step.dt);
         let linear = self.predict(scheme, step.dt, state);
-        let solved = self.solve(linear, step, state, report).map(|()| self.finish(scheme, step, state));
+        let solved = self.iterate(linear, newton_steps, step, state, report).map(|()| self.finish(scheme, step, state));
         let checked = self.checked(step, state);
         let energy = match solved.ok().and_then(|()| self.acceptable(&checked, step, state)) {
             Some(energy) => {
@@ -281,6 +365,10 @@ impl<T: Scalar> Engine for Implicit<T> {
         self.damping = fabric.damping.into();
         self.air_drag = fabric.air_drag.into();
         self.energy_now = None;
+    }
+
+    fn set_settings(&mut self, settings: &SolverSettings) {
+        self.settings = *settings;
     }
 
     fn restart(&mut self) {

@@ -15,8 +15,9 @@ pub enum Integrator {
     BackwardEuler,
 }
 
-/// Longest step BDF2 takes after one of length 1; beyond, it starts anew, well before zero-stability ends at 1 + √2 (Hairer,
-/// Nørsett & Wanner 1993, III.5).
+/// Longest step BDF2 takes after one of length 1, well before zero-stability ends at 1 + √2 (Hairer, Nørsett & Wanner 1993,
+/// III.5). Beyond, a step of backward Euler takes its place: one of the midpoint rule, as at the start, gains energy when
+/// lengths change again and again.
 const MAX_STEP_RATIO: f64 = 1.5;
 
 /// Weights of the two last states in a BDF2 step of variable length (Hairer, Nørsett & Wanner 1993, III.5).

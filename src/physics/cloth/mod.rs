@@ -5,6 +5,7 @@ mod implicit;
 mod integrator;
 mod measure;
 mod pins;
+mod quality;
 mod rigid;
 mod safeguard;
 mod settings;
@@ -20,6 +21,7 @@ use self::engine::Engine;
 use self::pins::Pins;
 pub use integrator::Integrator;
 pub use measure::{Energy, Stretch};
+pub use quality::Quality;
 pub use settings::{Precision, SettingsError, SolverSettings};
 
 use crate::physics::assembly::Ordering;
@@ -190,13 +192,16 @@ impl Cloth {
         &self.settings
     }
 
-    /// Changes how steps are solved; the cloth keeps its motion.
+    /// Changes how steps are solved; the cloth keeps its motion. Costs nothing unless precision, solver, preconditioner or
+    /// the limit of iterations are others: these are built anew.
     pub fn set_settings(&mut self, settings: SolverSettings) {
-        if settings != self.settings {
+        if settings.same_engine(&self.settings) {
+            self.engine.set_settings(&settings);
+        } else {
             self.engine = engine::new(&self.shape, &self.fabric, &settings, &self.ordering);
             self.engine.settle(&self.state.positions);
-            self.settings = settings;
         }
+        self.settings = settings;
     }
 
     /// Gravity, m/s².

@@ -9,7 +9,7 @@
 use bevy::math::DVec3;
 
 use super::engine::Step;
-use super::implicit::{Implicit, Linear};
+use super::implicit::{Guess, Implicit, Linear};
 use super::{ClothFault, State, StepReport};
 use crate::physics::assembly::Projection;
 use crate::physics::assembly::parts::{Part, for_parts};
@@ -78,7 +78,7 @@ impl<T: Scalar> Implicit<T> {
         let linear =
             Linear { gamma: dt, projection: Projection::PositivePart, damping: 0.0, air_drag: 0.0, pin_share: 1.0 };
         for newton in 0..NEWTON_STEPS {
-            match self.solve(linear, step, state, report) {
+            match self.solve(linear, Guess::Inertia, step, state, report) {
                 Ok(()) => {}
                 Err(fault) if newton == 0 => return Err(fault),
                 Err(_) => break,

@@ -20,6 +20,9 @@ pub struct SolverSettings {
     pub precision: Precision,
     /// Implicit steps per call of [`Cloth::step`](crate::physics::Cloth::step), at least 1.
     pub substeps: u32,
+    /// Linear solves of a step at most, each linearised where the one before led (Newton's method), at least 1. More than one
+    /// pays where the cloth turns or wrinkles much in a step; where nothing is left to solve, they end sooner.
+    pub newton_steps: u32,
 }
 
 /// Precision of a solve.
@@ -40,6 +43,7 @@ impl Default for SolverSettings {
             kind: SolverKind::default(),
             precision: Precision::default(),
             substeps: 1,
+            newton_steps: 1,
         }
     }
 }
@@ -59,6 +63,9 @@ pub enum SettingsError {
     /// No substeps.
     #[error("`substeps` is 0: it must be at least 1")]
     NoSubsteps,
+    /// No Newton steps.
+    #[error("`newton_steps` is 0: it must be at least 1")]
+    NoNewtonSteps,
 }
 
 impl SolverSettings {
@@ -70,6 +77,9 @@ impl SolverSettings {
         if self.substeps == 0 {
             return Err(SettingsError::NoSubsteps);
         }
+        if self.newton_steps == 0 {
+            return Err(SettingsError::NoNewtonSteps);
+        }
         match self.kind {
             SolverKind::ConjugateGradient { tolerance, .. } if !(tolerance.is_finite() && tolerance >= 0.0) => {
                 Err(SettingsError::Tolerance(tolerance))
@@ -80,6 +90,19 @@ impl SolverSettings {
             SolverKind::ConjugateGradient { max_iterations: 0, .. } => Err(SettingsError::NoIterations),
             _ => Ok(()),
         }
+    }
+
+    /// Whether an engine made for these settings can take the others: they ask for the same solver in the same precision.
+    pub(super) fn same_engine(&self, other: &Self) -> bool {
+        self.precision == other.precision
+            && match (self.kind, other.kind) {
+                (
+                    SolverKind::ConjugateGradient { max_iterations: a, preconditioner: p, .. },
+                    SolverKind::ConjugateGradient { max_iterations: b, preconditioner: q, .. },
+                ) => a == b && p == q,
+                #[cfg(feature = "cholesky")]
+                (a, b) => a == b,
+            }
     }
 
     /// Where the solver may stop, for a cloth of `mass` (kg) and a step of γ = `gamma` (s).
@@ -105,6 +128,6 @@ impl SolverSettings {
             max_iterations: 100_000,
             preconditioner: PreconditionerKind::Multigrid,
         };
-        Self { integrator: Integrator::default(), kind, precision: Precision::Double, substeps: 1 }
+        Self { integrator: Integrator::default(), kind, precision: Precision::Double, substeps: 1, newton_steps: 1 }
     }
 }

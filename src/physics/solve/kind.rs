@@ -38,6 +38,15 @@ pub enum PreconditionerKind {
 }
 
 impl SolverKind {
+    /// Whether it stops at a tolerance.
+    pub const fn is_iterative(self) -> bool {
+        match self {
+            Self::ConjugateGradient { .. } => true,
+            #[cfg(feature = "cholesky")]
+            Self::Cholesky => false,
+        }
+    }
+
     /// Conjugate gradients stopping at `tolerance`, m/s², and nowhere before.
     pub const fn conjugate_gradient(tolerance: f32) -> Self {
         Self::ConjugateGradient {

@@ -1,0 +1,82 @@
+//! Levels of quality, settings given one by one, and which of them counts.
+
+use crate::common::*;
+use bevy::prelude::*;
+use bevy_cloth::physics::{SolverKind, SolverSettings};
+use bevy_cloth::plugin::*;
+
+fn settings(app: &App, cloth: Entity) -> SolverSettings {
+    *state(app, cloth).cloth().settings()
+}
+
+#[test]
+fn the_nearest_word_counts() {
+    let mut app = app();
+    app.insert_resource(ClothDefaultQuality(ClothQuality::Low));
+    let own = SolverSettings { kind: SolverKind::conjugate_gradient(1e-3), newton_steps: 2, ..default() };
+    let plain = spawn(&mut app, sheet(), top_edge());
+    let high = spawn(&mut app, sheet(), (top_edge(), ClothQuality::High));
+    let explicit = spawn(&mut app, sheet(), (top_edge(), ClothQuality::High, ClothSolver(own)));
+    let all = |app: &App| [plain, high, explicit].map(|cloth| settings(app, cloth));
+    let (low, high_settings) = (ClothQuality::Low.settings(), ClothQuality::High.settings());
+    assert_eq!(all(&app), [low, high_settings, own], "from the start");
+
+    app.insert_resource(ClothDefaultQuality(ClothQuality::Film));
+    run(&mut app, 1);
+    assert_eq!(all(&app), [ClothQuality::Film.settings(), high_settings, own]);
+    app.world_mut().entity_mut(high).remove::<ClothQuality>();
+    app.world_mut().entity_mut(explicit).remove::<ClothSolver>();
+    app.world_mut().entity_mut(plain).insert(ClothQuality::Crowd);
+    run(&mut app, 1);
+    assert_eq!(all(&app), [ClothQuality::Crowd.settings(), ClothQuality::Film.settings(), high_settings]);
+}
+
+#[test]
+fn a_cloth_without_any_word_has_the_default() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(), ());
+    assert_eq!(settings(&app, cloth), SolverSettings::default());
+    assert!(app.world().get::<ClothSolver>(cloth).is_none() && app.world().get::<ClothQuality>(cloth).is_none());
+}
+
+#[test]
+fn impossible_settings_taken_away_are_forgiven() {
+    let wrong = ClothSolver(SolverSettings { newton_steps: 0, ..default() });
+    let mut app = app();
+    let running = spawn(&mut app, sheet(), top_edge());
+    run(&mut app, 2);
+    app.world_mut().entity_mut(running).insert(wrong);
+    let refused = spawn(&mut app, sheet(), (top_edge(), wrong));
+    run(&mut app, 2);
+    for cloth in [running, refused] {
+        assert!(error(&app, cloth).expect("an error").to_string().contains("newton_steps"));
+        app.world_mut().entity_mut(cloth).remove::<ClothSolver>();
+    }
+    run(&mut app, 2);
+    for cloth in [running, refused] {
+        assert!(error(&app, cloth).is_none(), "{:?}", error(&app, cloth));
+        assert_eq!(settings(&app, cloth), SolverSettings::default());
+    }
+}
+
+#[test]
+fn changing_the_level_in_every_frame_moves_nothing_out_of_its_way() {
+    let mut app = app();
+    let steady = spawn(&mut app, sheet(), ClothPins::indices([0]));
+    let restless = spawn(&mut app, sheet(), ClothPins::indices([0]));
+    let levels = [ClothQuality::Crowd, ClothQuality::Film, ClothQuality::Low, ClothQuality::High];
+    let mut before = world(&app, restless);
+    for frame in 0..200 {
+        app.world_mut().entity_mut(restless).insert(levels[frame % 4]);
+        app.update();
+        let now = world(&app, restless);
+        // A metre of cloth that falls from the horizontal by a corner moves at some metres a second.
+        let moved = now.iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(moved < 8.0 / 64.0, "frame {frame}: {moved} m");
+        before = now;
+    }
+    run(&mut app, 900);
+    for (a, b) in world(&app, steady).into_iter().zip(world(&app, restless)) {
+        assert_near(a, b, 0.01);
+    }
+}
