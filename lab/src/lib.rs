@@ -1,6 +1,6 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
-//! One folder per subcommand ([`mod@bench`], [`validate`]), beside what they share: [`scenes`] that others have measured too, the
+//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`]), beside what they share: [`scenes`] that others have measured too, the
 //! [`matrix`] of a cloth, [`memory`] in use, [`report`]s as tables and JSON, and [`plot`]s as pictures.
 
 #![warn(missing_docs)]
@@ -11,4 +11,5 @@ pub mod memory;
 pub mod plot;
 pub mod report;
 pub mod scenes;
+pub mod trade;
 pub mod validate;

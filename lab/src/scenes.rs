@@ -92,10 +92,15 @@ impl Sheet {
         }
     }
 
+    /// The sheet at rest.
+    pub fn shape(&self) -> RestShape {
+        let mesh = SurfaceMesh { positions: &self.positions, triangles: &self.triangles, uvs: Some(&self.uvs) };
+        RestShape::new(&mesh, &RestShapeOptions::default()).expect("a sheet is a valid mesh")
+    }
+
     /// The sheet as cloth, held by its two corners, at rest, under standard gravity.
     pub fn hang(&self, settings: SolverSettings) -> Cloth {
-        let mesh = SurfaceMesh { positions: &self.positions, triangles: &self.triangles, uvs: Some(&self.uvs) };
-        let shape = RestShape::new(&mesh, &RestShapeOptions::default()).expect("a sheet is a valid mesh");
+        let shape = self.shape();
         let corners = self.corners.map(|v| shape.simulated[v as usize].expect("every vertex has a triangle"));
         let mut cloth = Cloth::new(shape, fabric(), settings).expect("the fabric is valid");
         for vertex in corners {
