@@ -45,19 +45,16 @@ impl<const V: usize> Batches<V> {
         batch: usize,
         points: &[Point<T>],
     ) -> [V3<Lanes<T, S>>; E] {
-        let vertices = &self.0[batch];
         let mut edges = [[Padded::zero(); ROWS]; E];
         for lane in 0..ROWS {
+            let vertices = &self.0[batch];
             let origin = points[vertices[0][lane] as usize];
             for (i, edge) in edges.iter_mut().enumerate() {
                 let point = points[vertices[i + 1][lane] as usize];
                 edge[lane] = (point.at - origin.at) + (point.moved - origin.moved);
             }
         }
-        edges.map(
-            #[inline(always)]
-            |edge| V3::of(s, s.turn(edge)),
-        )
+        turned(s, &edges)
     }
 
     /// The same at the beginning of the substep.
@@ -68,18 +65,15 @@ impl<const V: usize> Batches<V> {
         batch: usize,
         points: &[Point<T>],
     ) -> [V3<Lanes<T, S>>; E] {
-        let vertices = &self.0[batch];
         let mut edges = [[Padded::zero(); ROWS]; E];
         for lane in 0..ROWS {
+            let vertices = &self.0[batch];
             let origin = points[vertices[0][lane] as usize].at;
             for (i, edge) in edges.iter_mut().enumerate() {
                 edge[lane] = points[vertices[i + 1][lane] as usize].at - origin;
             }
         }
-        edges.map(
-            #[inline(always)]
-            |edge| V3::of(s, s.turn(edge)),
-        )
+        turned(s, &edges)
     }
 
     /// How far those edges have changed in the substep.
@@ -90,18 +84,15 @@ impl<const V: usize> Batches<V> {
         batch: usize,
         points: &[Point<T>],
     ) -> [V3<Lanes<T, S>>; E] {
-        let vertices = &self.0[batch];
         let mut edges = [[Padded::zero(); ROWS]; E];
         for lane in 0..ROWS {
+            let vertices = &self.0[batch];
             let origin = points[vertices[0][lane] as usize].moved;
             for (i, edge) in edges.iter_mut().enumerate() {
                 edge[lane] = points[vertices[i + 1][lane] as usize].moved - origin;
             }
         }
-        edges.map(
-            #[inline(always)]
-            |edge| V3::of(s, s.turn(edge)),
-        )
+        turned(s, &edges)
     }
 
     /// Moves one vertex of each element on.
@@ -119,6 +110,16 @@ impl<const V: usize> Batches<V> {
             points[vertex as usize].moved += moved;
         }
     }
+}
+
+/// Eight vectors of each kind as eight x, eight y and eight z.
+#[inline(always)]
+fn turned<T: Scalar, S: Oct<T>, const E: usize>(s: S, edges: &[[Padded<T>; ROWS]; E]) -> [V3<Lanes<T, S>>; E] {
+    let mut turned = [V3::of(s, s.turn(edges[0])); E];
+    for (turned, edge) in turned.iter_mut().zip(edges).skip(1) {
+        *turned = V3::of(s, s.turn(*edge));
+    }
+    turned
 }
 
 /// A value for each element of each batch, `filler` where there is none.
