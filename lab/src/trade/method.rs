@@ -23,10 +23,14 @@ pub enum Family {
     Double,
     /// BDF2 in f64, solved by Cholesky's factorisation.
     Cholesky,
-    /// Extended position-based dynamics in so many substeps.
+    /// Extended position-based dynamics in so many substeps, as it is published.
     Xpbd,
-    /// The same with the material's damping.
+    /// The same, over-relaxed and with bending solved rarely.
+    XpbdTuned,
+    /// The same with the material's damping, in a pass over the velocities.
     XpbdDamped,
+    /// As published, with the material's damping in the constraints.
+    XpbdEq26,
 }
 
 /// A way to simulate.
@@ -61,14 +65,16 @@ impl Family {
             Self::Tolerance => "BDF2, tolerance 0.1…0.001",
             Self::Double => "BDF2 in f64",
             Self::Cholesky => "BDF2 by Cholesky in f64",
-            Self::Xpbd => "XPBD, 5…320 substeps",
-            Self::XpbdDamped => "XPBD with damping",
+            Self::Xpbd => "XPBD",
+            Self::XpbdTuned => "XPBD, tuned",
+            Self::XpbdDamped => "XPBD, tuned and damped",
+            Self::XpbdEq26 => "XPBD, damped as in eq. 26",
         }
     }
 
     /// Whether it is the baseline.
     pub const fn is_baseline(self) -> bool {
-        matches!(self, Self::Xpbd | Self::XpbdDamped)
+        matches!(self, Self::Xpbd | Self::XpbdTuned | Self::XpbdDamped | Self::XpbdEq26)
     }
 
     /// All of its methods.
@@ -96,11 +102,22 @@ impl Family {
             }
             Self::Double => substeps(&[1, 4], SolverSettings { precision: Precision::Double, ..default }),
             Self::Cholesky => substeps(&[1, 4], SolverSettings::reference()),
-            Self::Xpbd => baseline(&[5, 10, 20, 40, 80, 160, 320], xpbd::Damping::None, self),
-            Self::XpbdDamped => baseline(&[5, 10, 20, 40, 80, 160, 320], xpbd::Damping::Constraints, self),
+            Self::Xpbd => baseline(self, xpbd::Settings::published),
+            Self::XpbdTuned => baseline(self, xpbd::Settings::tuned),
+            Self::XpbdDamped => {
+                let damped = |n| xpbd::Settings { damping: xpbd::Damping::Velocities, ..xpbd::Settings::tuned(n) };
+                baseline(self, damped)
+            }
+            Self::XpbdEq26 => {
+                let damped = |n| xpbd::Settings { damping: xpbd::Damping::Constraints, ..xpbd::Settings::published(n) };
+                baseline(self, damped)
+            }
         }
     }
 }
+
+/// Substeps of the baseline.
+const SUBSTEPS: [u32; 7] = [5, 10, 20, 40, 80, 160, 320];
 
 /// The quality levels of the product.
 fn levels() -> Vec<(String, SolverSettings)> {
@@ -108,9 +125,9 @@ fn levels() -> Vec<(String, SolverSettings)> {
     Quality::value_variants().iter().map(|quality| (name(quality), quality.settings())).collect()
 }
 
-fn baseline(counts: &[u32], damping: xpbd::Damping, family: Family) -> Vec<Method> {
-    let kind = |&n: &u32| Kind::Xpbd(xpbd::Settings { damping, ..xpbd::Settings::new(n) });
-    counts.iter().map(|n| Method { family, line: 0, name: format!("{n} substeps"), kind: kind(n) }).collect()
+fn baseline(family: Family, settings: impl Fn(u32) -> xpbd::Settings) -> Vec<Method> {
+    let kind = |n| Kind::Xpbd(settings(n));
+    SUBSTEPS.iter().map(|&n| Method { family, line: 0, name: format!("{n} substeps"), kind: kind(n) }).collect()
 }
 
 /// The default solver with another relative tolerance.

@@ -53,7 +53,9 @@ fn colour(family: Family) -> RGBColor {
         Family::Double => RGBColor(23, 190, 207),
         Family::Cholesky => RGBColor(140, 110, 75),
         Family::Xpbd => RGBColor(214, 39, 40),
-        Family::XpbdDamped => RGBColor(255, 150, 60),
+        Family::XpbdTuned => RGBColor(255, 127, 14),
+        Family::XpbdDamped => RGBColor(227, 90, 160),
+        Family::XpbdEq26 => RGBColor(214, 170, 120),
     }
 }
 
@@ -115,13 +117,18 @@ impl Figure for Diagram {
         let (left, right) = rest.split_horizontally(SIZE.0 - LEGEND);
         title.draw(&Text::new(self.title.clone(), (24, 18), text(26, INK)))?;
 
-        let (cost, error) = (self.range(|point| point.0), self.range(|point| point.1));
+        let (cost, mut error) = (self.range(|point| point.0), self.range(|point| point.1));
+        // Noise that is far below all errors need not be seen.
+        if self.noise > 0.1 * error.start {
+            error.start = error.start.min(0.7 * self.noise);
+        }
         let axis = |range: &Range<f64>| range.clone().log_scale().with_key_points(ticks(range));
         let mut chart = ChartBuilder::on(&left)
+            .margin_left(16)
             .margin_right(16)
             .margin_bottom(8)
             .x_label_area_size(56)
-            .y_label_area_size(76)
+            .y_label_area_size(80)
             .build_cartesian_2d(axis(&cost), axis(&error))?;
         if self.noise > error.start {
             let band = [(cost.start, error.start), (cost.end, self.noise)];
@@ -173,9 +180,9 @@ impl Series {
             chart.draw_series(line.iter().map(|&point| mark(point, self.family)))?;
         }
         let (names, offset, place) = match self.family {
-            Family::Level => (self.names.clone(), (0, -12), Pos::new(HPos::Center, VPos::Bottom)),
+            Family::Level => (self.names.clone(), (-13, 0), Pos::new(HPos::Right, VPos::Center)),
             // The number of substeps alone.
-            Family::Xpbd => {
+            Family::Xpbd | Family::XpbdTuned => {
                 let number = |name: &String| name.split(' ').next().unwrap_or_default().to_string();
                 (self.names.iter().map(number).collect(), (8, -6), Pos::new(HPos::Left, VPos::Bottom))
             }

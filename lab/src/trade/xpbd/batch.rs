@@ -1,13 +1,17 @@
-//! Elements in batches of eight that share no vertex.
+//! Elements in batches that share no vertex: two times eight.
 
 use bevy_cloth::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Scalar, V3};
 
 use super::Point;
 use super::colouring::by_colour;
+use super::twin::{Twin, pair, parted};
+
+/// Elements of a batch.
+const SIZE: usize = 2 * ROWS;
 
 /// The vertices of elements of V vertices each.
 #[derive(Clone, Debug)]
-pub(super) struct Batches<const V: usize>(Vec<[[u32; ROWS]; V]>);
+pub(super) struct Batches<const V: usize>(Vec<[[[u32; ROWS]; V]; 2]>);
 
 impl<const V: usize> Batches<V> {
     /// Batches of these elements, colour after colour and in each in the order of their first vertex, and which element stands
@@ -20,16 +24,15 @@ impl<const V: usize> Batches<V> {
         let mut sources = Vec::new();
         for colour in by_colour(&ordered, vertex_count) {
             sources.extend(colour.iter().map(|&place| Some(order[place as usize])));
-            sources.resize(sources.len().next_multiple_of(ROWS), None);
+            sources.resize(sources.len().next_multiple_of(SIZE), None);
         }
         let vertex = |source: Option<u32>, which: usize| {
             source.map_or(vertex_count as u32, |element| elements[element as usize][which])
         };
-        let batches = sources.chunks_exact(ROWS);
-        let vertices = batches
-            .map(|batch| core::array::from_fn(|which| core::array::from_fn(|lane| vertex(batch[lane], which))))
-            .collect();
-        (Self(vertices), sources)
+        let octet =
+            |batch: &[Option<u32>]| core::array::from_fn(|which| core::array::from_fn(|i| vertex(batch[i], which)));
+        let batches = sources.chunks_exact(SIZE).map(|batch| [octet(&batch[..ROWS]), octet(&batch[ROWS..])]);
+        (Self(batches.collect()), sources)
     }
 
     /// How many there are.
@@ -37,43 +40,26 @@ impl<const V: usize> Batches<V> {
         self.0.len()
     }
 
-    /// Vertices 1… of each element relative to its vertex 0, where they have got to.
+    /// Vertices 1… of each element relative to its vertex 0: where they have got to.
     #[inline(always)]
     pub fn edges<T: Scalar, S: Oct<T>, const E: usize>(
         &self,
         s: S,
         batch: usize,
         points: &[Point<T>],
-    ) -> [V3<Lanes<T, S>>; E] {
-        let mut edges = [[Padded::zero(); ROWS]; E];
-        for lane in 0..ROWS {
-            let vertices = &self.0[batch];
-            let origin = points[vertices[0][lane] as usize];
-            for (i, edge) in edges.iter_mut().enumerate() {
-                let point = points[vertices[i + 1][lane] as usize];
-                edge[lane] = (point.at - origin.at) + (point.moved - origin.moved);
-            }
-        }
-        turned(s, &edges)
+    ) -> [V3<Twin<Lanes<T, S>>>; E] {
+        self.differences(s, batch, points, now)
     }
 
     /// The same at the beginning of the substep.
     #[inline(always)]
-    pub fn settled_edges<T: Scalar, S: Oct<T>, const E: usize>(
+    pub fn edges_before<T: Scalar, S: Oct<T>, const E: usize>(
         &self,
         s: S,
         batch: usize,
         points: &[Point<T>],
-    ) -> [V3<Lanes<T, S>>; E] {
-        let mut edges = [[Padded::zero(); ROWS]; E];
-        for lane in 0..ROWS {
-            let vertices = &self.0[batch];
-            let origin = points[vertices[0][lane] as usize].at;
-            for (i, edge) in edges.iter_mut().enumerate() {
-                edge[lane] = points[vertices[i + 1][lane] as usize].at - origin;
-            }
-        }
-        turned(s, &edges)
+    ) -> [V3<Twin<Lanes<T, S>>>; E] {
+        self.differences(s, batch, points, before)
     }
 
     /// How far those edges have changed in the substep.
@@ -83,16 +69,25 @@ impl<const V: usize> Batches<V> {
         s: S,
         batch: usize,
         points: &[Point<T>],
-    ) -> [V3<Lanes<T, S>>; E] {
-        let mut edges = [[Padded::zero(); ROWS]; E];
-        for lane in 0..ROWS {
-            let vertices = &self.0[batch];
-            let origin = points[vertices[0][lane] as usize].moved;
-            for (i, edge) in edges.iter_mut().enumerate() {
-                edge[lane] = points[vertices[i + 1][lane] as usize].moved - origin;
-            }
+    ) -> [V3<Twin<Lanes<T, S>>>; E] {
+        self.differences(s, batch, points, moved)
+    }
+
+    #[inline(always)]
+    fn differences<T: Scalar, S: Oct<T>, const E: usize>(
+        &self,
+        s: S,
+        batch: usize,
+        points: &[Point<T>],
+        of: impl Fn(&Point<T>, &Point<T>) -> Padded<T>,
+    ) -> [V3<Twin<Lanes<T, S>>>; E] {
+        let [first, second] = &self.0[batch];
+        let (a, b): ([_; E], [_; E]) = (gather(first, points, &of), gather(second, points, &of));
+        let mut edges = [pair(V3::of(s, s.turn(a[0])), V3::of(s, s.turn(b[0]))); E];
+        for i in 1..E {
+            edges[i] = pair(V3::of(s, s.turn(a[i])), V3::of(s, s.turn(b[i])));
         }
-        turned(s, &edges)
+        edges
     }
 
     /// Moves one vertex of each element on.
@@ -102,29 +97,51 @@ impl<const V: usize> Batches<V> {
         s: S,
         batch: usize,
         which: usize,
-        V3([x, y, z]): V3<Lanes<T, S>>,
+        moves: V3<Twin<Lanes<T, S>>>,
         points: &mut [Point<T>],
     ) {
-        let moves = s.turn_back([x.v, y.v, z.v]);
-        for (&vertex, moved) in self.0[batch][which].iter().zip(moves) {
-            points[vertex as usize].moved += moved;
+        for (vertices, V3([x, y, z])) in self.0[batch].iter().zip(parted(moves)) {
+            for (&vertex, moved) in vertices[which].iter().zip(s.turn_back([x.v, y.v, z.v])) {
+                points[vertex as usize].moved += moved;
+            }
         }
     }
 }
 
-/// Eight vectors of each kind as eight x, eight y and eight z.
 #[inline(always)]
-fn turned<T: Scalar, S: Oct<T>, const E: usize>(s: S, edges: &[[Padded<T>; ROWS]; E]) -> [V3<Lanes<T, S>>; E] {
-    let mut turned = [V3::of(s, s.turn(edges[0])); E];
-    for (turned, edge) in turned.iter_mut().zip(edges).skip(1) {
-        *turned = V3::of(s, s.turn(*edge));
+fn now<T: Scalar>(point: &Point<T>, origin: &Point<T>) -> Padded<T> {
+    (point.at - origin.at) + (point.moved - origin.moved)
+}
+
+#[inline(always)]
+fn before<T: Scalar>(point: &Point<T>, origin: &Point<T>) -> Padded<T> {
+    point.at - origin.at
+}
+
+#[inline(always)]
+fn moved<T: Scalar>(point: &Point<T>, origin: &Point<T>) -> Padded<T> {
+    point.moved - origin.moved
+}
+
+#[inline(always)]
+fn gather<T: Scalar, const V: usize, const E: usize>(
+    vertices: &[[u32; ROWS]; V],
+    points: &[Point<T>],
+    of: &impl Fn(&Point<T>, &Point<T>) -> Padded<T>,
+) -> [[Padded<T>; ROWS]; E] {
+    let mut edges = [[Padded::zero(); ROWS]; E];
+    for lane in 0..ROWS {
+        let origin = &points[vertices[0][lane] as usize];
+        for (i, edge) in edges.iter_mut().enumerate() {
+            edge[lane] = of(&points[vertices[i + 1][lane] as usize], origin);
+        }
     }
-    turned
+    edges
 }
 
 /// A value for each element of each batch, `filler` where there is none.
-pub(super) fn pack<T: Scalar>(sources: &[Option<u32>], filler: f64, value: impl Fn(usize) -> f64) -> Vec<Pack<T>> {
+pub(super) fn pack<T: Scalar>(sources: &[Option<u32>], filler: f64, value: impl Fn(usize) -> f64) -> Vec<[Pack<T>; 2]> {
     let of = |source: Option<u32>| source.map_or(filler, |element| value(element as usize));
-    let batches = sources.chunks_exact(ROWS);
-    batches.map(|batch| Pack(core::array::from_fn(|lane| T::from_f64(of(batch[lane]))))).collect()
+    let octet = |batch: &[Option<u32>]| Pack(core::array::from_fn(|i| T::from_f64(of(batch[i]))));
+    sources.chunks_exact(SIZE).map(|batch| [octet(&batch[..ROWS]), octet(&batch[ROWS..])]).collect()
 }

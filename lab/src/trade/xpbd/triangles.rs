@@ -9,33 +9,38 @@
 //! ```
 //!
 //! in which with ∇ᵢε00 = uᵢ w_u, ∇ᵢε11 = vᵢ w_v, ∇ᵢε01 = ½ (uᵢ w_v + vᵢ w_u) for the weights u, v of
-//! [`membrane`], and P, Q, R = Σ uᵢ²/mᵢ, Σ vᵢ²/mᵢ, Σ uᵢ vᵢ/mᵢ,
+//! [`membrane`], and P, Q, R = A Σ uᵢ²/mᵢ, A Σ vᵢ²/mᵢ, A Σ uᵢ vᵢ/mᵢ,
 //!
 //! ```text
-//! G00 = P |w_u|²,   G11 = Q |w_v|²,   G01 = R w_u·w_v,   G02 = ½ (P w_u·w_v + R |w_u|²),   G12 = ½ (R |w_v|² + Q w_u·w_v),
-//! G22 = ¼ (P |w_v|² + Q |w_u|² + 2 R w_u·w_v).
+//! A G00 = P |w_u|²,   A G01 = R w_u·w_v,   A G02 = ½ (P w_u·w_v + R |w_u|²),
+//! A G11 = Q |w_v|²,   A G12 = ½ (R |w_v|² + Q w_u·w_v),   A G22 = ¼ (P |w_v|² + Q |w_u|² + 2 R w_u·w_v).
 //! ```
 
-use bevy_cloth::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
+use bevy_cloth::physics::energy::membrane::{self, Deformation, Gram, Orthotropic, Strain};
 use bevy_cloth::physics::energy::stress::Stress;
-use bevy_cloth::physics::math::{Lanes, Oct, Pack, Real, Scalar, V3};
+use bevy_cloth::physics::math::{Oct, Pack, Real, Scalar, V3};
 use bevy_cloth::physics::{Fabric, RestShape};
 
 use super::batch::{Batches, pack};
+use super::twin::Twin;
 use super::{Pass, Point};
 
 /// All triangles.
 pub(super) struct Triangles<T> {
     batches: Batches<3>,
-    rest: Vec<RestBatch<T>>,
+    rest: Vec<Rest<[Pack<T>; 2]>>,
     compliance: Orthotropic<f64>,
 }
 
-/// What is known of a batch at rest.
-struct RestBatch<T> {
-    triangle: Rest<Pack<T>>,
-    gram: Gram<Pack<T>>,
-    inverse_masses: [Pack<T>; 3],
+/// What is known of a triangle at rest.
+#[derive(Clone, Copy)]
+struct Rest<R> {
+    dm_inverse: [[R; 2]; 2],
+    gram: Gram<R>,
+    /// A/mᵢ, m²/kg: 0 where it is held.
+    weights: [R; 3],
+    /// P, Q, R.
+    sums: [R; 3],
 }
 
 /// K⁻¹.
@@ -52,18 +57,22 @@ impl<T: Scalar> Triangles<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], inverse_masses: &[f64]) -> Self {
         let vertices: Vec<_> = shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect();
         let (batches, sources) = Batches::new(&vertices, inner.len());
+        let weight = |i: usize, which: usize| shape.triangles[i].area * inverse_masses[vertices[i][which] as usize];
+        let sum = |i: usize, [a, b]: [usize; 2]| {
+            let [d1, d2] = shape.triangles[i].dm_inverse;
+            let rows = [[-(d1[0] + d2[0]), -(d1[1] + d2[1])], d1, d2];
+            (0..3).map(|vertex| weight(i, vertex) * rows[vertex][a] * rows[vertex][b]).sum::<f64>()
+        };
         let column = |value: &dyn Fn(usize) -> f64| pack::<T>(&sources, 0.0, value);
         let dm = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[r, c]| column(&|i| shape.triangles[i].dm_inverse[r][c]));
-        let area = column(&|i| shape.triangles[i].area);
         let gram = [0, 1, 2].map(|entry| column(&|i| shape.triangles[i].rest_gram[entry]));
-        let masses = [0, 1, 2].map(|which| column(&|i| inverse_masses[vertices[i][which] as usize]));
-        let rest = (0..batches.len()).map(|batch| RestBatch {
-            triangle: Rest {
-                dm_inverse: [[dm[0][batch], dm[1][batch]], [dm[2][batch], dm[3][batch]]],
-                area: area[batch],
-            },
+        let weights = [0, 1, 2].map(|which| column(&|i| weight(i, which)));
+        let sums = [[0, 0], [1, 1], [0, 1]].map(|axes| column(&|i| sum(i, axes)));
+        let rest = (0..batches.len()).map(|batch| Rest {
+            dm_inverse: [[dm[0][batch], dm[1][batch]], [dm[2][batch], dm[3][batch]]],
             gram: gram.each_ref().map(|values| values[batch]),
-            inverse_masses: masses.each_ref().map(|values| values[batch]),
+            weights: weights.each_ref().map(|values| values[batch]),
+            sums: sums.each_ref().map(|values| values[batch]),
         });
         Self { rest: rest.collect(), batches, compliance: compliance(fabric) }
     }
@@ -72,71 +81,78 @@ impl<T: Scalar> Triangles<T> {
     #[inline(always)]
     pub fn solve<S: Oct<T>>(&self, s: S, pass: &Pass, points: &mut [Point<T>]) {
         for (batch, rest) in self.rest.iter().enumerate() {
-            let area = Lanes::load(s, &rest.triangle.area);
-            let [[u1, v1], [u2, v2]] = &rest.triangle.dm_inverse;
-            let triangle = Rest { dm_inverse: [[area.like(u1), area.like(v1)], [area.like(u2), area.like(v2)]], area };
+            let Rest { dm_inverse: [[u1, v1], [u2, v2]], gram: [g11, g22, g12], weights, sums } = rest;
+            let rest = Rest {
+                dm_inverse: [[Twin::load(s, u1), Twin::load(s, v1)], [Twin::load(s, u2), Twin::load(s, v2)]],
+                gram: [Twin::load(s, g11), Twin::load(s, g22), Twin::load(s, g12)],
+                weights: [Twin::load(s, &weights[0]), Twin::load(s, &weights[1]), Twin::load(s, &weights[2])],
+                sums: [Twin::load(s, &sums[0]), Twin::load(s, &sums[1]), Twin::load(s, &sums[2])],
+            };
             let edges = if pass.value > 0.0 {
                 self.batches.edges(s, batch, points)
             } else {
-                self.batches.settled_edges(s, batch, points)
+                self.batches.edges_before(s, batch, points)
             };
-            let w = triangle.deformation(edges);
-
-            let zero = area.splat(0.0);
+            let (triangle, w) = rest.deformed(edges);
+            let zero = triangle.area.splat(0.0);
             let mut off = Strain { e00: zero, e11: zero, e01: zero };
             if pass.value > 0.0 {
-                let [g11, g22, g12] = &rest.gram;
-                let gram = [area.like(g11), area.like(g22), area.like(g12)];
-                off = triangle.green_strain(membrane::half_gram_change(edges, gram));
+                off = triangle.green_strain(membrane::half_gram_change(edges, rest.gram));
             }
             if pass.rate > 0.0 {
                 let moves = triangle.deformation(self.batches.edge_moves(s, batch, points));
-                let (change, gamma) = (w.strain_rate(&moves), area.splat(pass.rate));
+                let (change, gamma) = (w.strain_rate(&moves), zero.splat(pass.rate));
                 off.e00 += gamma * change.e00;
                 off.e11 += gamma * change.e11;
                 off.e01 += gamma * change.e01;
             }
-
-            let [m0, m1, m2] = &rest.inverse_masses;
-            let inverse_masses = [area.like(m0), area.like(m1), area.like(m2)];
-            let mobility = self.mobility(&triangle, inverse_masses, &w, pass);
-            let stress = solved(mobility, &off);
-
-            let [g1, g2] = membrane::gradient(&triangle, &stress, &w);
-            let scale = area.splat(-pass.dt2 * pass.relaxation);
-            for (which, (gradient, mass)) in [-(g1 + g2), g1, g2].into_iter().zip(inverse_masses).enumerate() {
-                let moved: V3<_> = gradient * (mass * scale);
-                self.batches.shift(s, batch, which, moved, points);
-            }
+            let [m0, m1, m2] = rest.moves(&self.compliance, pass, &triangle, &w, &off);
+            self.batches.shift(s, batch, 0, m0, points);
+            self.batches.shift(s, batch, 1, m1, points);
+            self.batches.shift(s, batch, 2, m2, points);
         }
+    }
+}
+
+impl<R: Real> Rest<R> {
+    /// The triangle, with the area taken to be 1, as the weights have it already, and how it is deformed.
+    #[inline(always)]
+    fn deformed(&self, edges: [V3<R>; 2]) -> (membrane::Rest<R>, Deformation<R>) {
+        let triangle = membrane::Rest { dm_inverse: self.dm_inverse, area: self.gram[0].splat(1.0) };
+        (triangle, triangle.deformation(edges))
+    }
+
+    /// Δx of the three vertices.
+    #[inline(always)]
+    fn moves(
+        &self,
+        compliance: &Orthotropic<f64>,
+        pass: &Pass,
+        triangle: &membrane::Rest<R>,
+        w: &Deformation<R>,
+        off: &Strain<R>,
+    ) -> [V3<R>; 3] {
+        let stress = solved(self.mobility(compliance, pass, w), off);
+        let [g1, g2] = membrane::gradient(triangle, &stress, w);
+        let scale = self.gram[0].splat(-pass.dt2);
+        let [w0, w1, w2] = self.weights;
+        [-(g1 + g2) * (w0 * scale), g1 * (w1 * scale), g2 * (w2 * scale)]
     }
 
     /// K⁻¹ + (1 + γ) Δt² A G, as its entries 00, 11, 22, 01, 02, 12.
     #[inline(always)]
-    fn mobility<S: Oct<T>>(
-        &self,
-        triangle: &Rest<Lanes<T, S>>,
-        inverse_masses: [Lanes<T, S>; 3],
-        w: &membrane::Deformation<Lanes<T, S>>,
-        pass: &Pass,
-    ) -> [Lanes<T, S>; 6] {
-        let area = triangle.area;
-        let [[u1, v1], [u2, v2]] = triangle.dm_inverse;
-        let (u0, v0) = (-(u1 + u2), -(v1 + v2));
-        let scale = area * area.splat(pass.dt2 * pass.mobility());
-        let [m0, m1, m2] = [inverse_masses[0] * scale, inverse_masses[1] * scale, inverse_masses[2] * scale];
-        let p = m0 * u0 * u0 + m1 * u1 * u1 + m2 * u2 * u2;
-        let q = m0 * v0 * v0 + m1 * v1 * v1 + m2 * v2 * v2;
-        let r = m0 * u0 * v0 + m1 * u1 * v1 + m2 * u2 * v2;
-        let (uu, vv, uv) = (w.w_u.norm_squared(), w.w_v.norm_squared(), w.w_u.dot(w.w_v));
-        let half = area.splat(0.5);
-        let Orthotropic { k0, k1, k2, k3 } = self.compliance;
+    fn mobility(&self, compliance: &Orthotropic<f64>, pass: &Pass, w: &Deformation<R>) -> [R; 6] {
+        let scale = self.gram[0].splat(pass.dt2 * pass.mobility);
+        let (uu, vv, uv) = (w.w_u.norm_squared() * scale, w.w_v.norm_squared() * scale, w.w_u.dot(w.w_v) * scale);
+        let [p, q, r] = self.sums;
+        let half = scale.splat(0.5);
+        let Orthotropic { k0, k1, k2, k3 } = *compliance;
         let c = pass.compliance;
         [
-            area.splat(c * k0) + p * uu,
-            area.splat(c * k2) + q * vv,
-            area.splat(c * k3) + half * (r * uv + half * (p * vv + q * uu)),
-            area.splat(c * k1) + r * uv,
+            half.splat(c * k0) + p * uu,
+            half.splat(c * k2) + q * vv,
+            half.splat(c * k3) + half * (r * uv + half * (p * vv + q * uu)),
+            half.splat(c * k1) + r * uv,
             half * (p * uv + r * uu),
             half * (r * vv + q * uv),
         ]
