@@ -112,8 +112,3 @@ impl Ruler {
         self.0.masses().iter().sum::<f64>() * self.0.gravity().length()
     }
 }
-
-/// Mean square distance of two states, m².
-pub fn mean_square_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.distance_squared(*b)).sum::<f64>() / a.len() as f64
-}

@@ -51,10 +51,9 @@ pub fn gain(ours: &[Point], theirs: &[Point], error: f64) -> Option<f64> {
 /// The least gain over all errors from `most` down to `least`, and where it is; `None` if neither reaches any of them.
 pub fn least_gain(ours: &[Point], theirs: &[Point], most: f64, least: f64) -> Option<(f64, f64)> {
     // Between the errors of ours the gain only grows as the error falls: so what counts is the largest error that each point of
-    // ours has to serve, which is just below that of the point before; and the smallest error of theirs, which ours may not
-    // reach.
+    // ours has to serve, which is just below that of the point before; and the smallest errors, which ours may not reach.
     let below = |point: &Point| point.error * (1.0 - 1e-9);
-    let errors = ours.iter().map(below).chain(theirs.last().map(|last| last.error)).chain([most]);
+    let errors = ours.iter().map(below).chain(theirs.last().map(|last| last.error)).chain([most, least]);
     let judged = errors.filter(|error| (least..=most).contains(error));
     let gains = judged.filter_map(|error| gain(ours, theirs, error).map(|gain| (gain, error)));
     gains.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -93,6 +92,8 @@ mod tests {
         assert!((least - 1.0).abs() < 1e-6 && (at - 0.05).abs() < 1e-6, "{least} at {at}");
         // Theirs goes on where ours ends.
         assert_eq!(least_gain(&ours, &theirs, 0.05, 0.001).map(|(gain, _)| gain), Some(0.0));
+        // Even where it goes on beyond what is judged.
+        assert_eq!(least_gain(&ours, &theirs, 0.05, 0.002).map(|(gain, _)| gain), Some(0.0));
         // Theirs never gets there.
         let bad = points(&[(1.0, 0.2)]);
         assert_eq!(least_gain(&ours, &bad, 0.05, 0.001).map(|(gain, _)| gain), Some(f64::INFINITY));

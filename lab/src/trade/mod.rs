@@ -6,6 +6,7 @@
 
 mod body;
 mod cache;
+mod errors;
 mod front;
 mod method;
 mod noise;
@@ -25,6 +26,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
+pub use errors::{Errors, Measure};
 pub use method::Family;
 pub use options::Options;
 pub use row::Row;
@@ -81,10 +83,12 @@ fn measure(options: &Options) -> Result<ExitCode, String> {
             rows.push(row);
         }
         let rows: Vec<_> = rows.iter().collect();
-        plot::save(&Diagram::new(&stage, &rows, noise), &options.out)?;
-        text += &format!("{}, noise {:.2e} m\n{}\n", stage.name(), noise, row::table(&rows));
-        text += &format!("Pareto front of ours\n{}\n", row::table(&on_front(&rows)));
-        if let Some(verdict) = verdict::verdict(&stage, &rows, noise) {
+        for measure in Measure::ALL {
+            plot::save(&Diagram::new(&stage, &rows, measure, measure.of(&noise)), &options.out)?;
+        }
+        text += &format!("{}, noise of the motion {:.2e} m\n{}\n", stage.name(), noise.motion_m, row::table(&rows));
+        text += &format!("Pareto front of ours, by motion\n{}\n", row::table(&on_front(&rows)));
+        for verdict in verdict::verdicts(&stage, &rows, &noise) {
             record(Record::Verdict(&verdict))?;
             verdicts.push(verdict);
         }
@@ -102,7 +106,7 @@ fn measure(options: &Options) -> Result<ExitCode, String> {
 
 /// Those of our rows that no other of ours beats in cost and error.
 fn on_front<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
-    let point = |row: &Row| Point { cost: row.ms, error: row.error_m };
+    let point = |row: &Row| Point { cost: row.ms, error: row.errors.motion_m };
     let ours = rows.iter().filter(|row| !row.family.is_baseline());
     let front = front::front(ours.clone().map(|row| point(row)));
     front.iter().filter_map(|&on| ours.clone().find(|row| point(row) == on).copied()).collect()

@@ -8,6 +8,7 @@ use plotters::coord::combinators::WithKeyPoints;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::errors::Measure;
 use super::method::Family;
 use super::row::Row;
 use super::scene::Stage;
@@ -30,12 +31,13 @@ const NOISE: RGBColor = RGBColor(232, 232, 236);
 pub struct Diagram {
     title: String,
     name: String,
+    measure: Measure,
     series: Vec<Series>,
-    /// Root mean square, mm.
+    /// In the unit of the measure, as all errors.
     noise: f64,
 }
 
-/// A family of methods: cost, ms, and error, mm, of each.
+/// A family of methods: cost, ms, and error of each.
 struct Series {
     family: Family,
     lines: Vec<Vec<(f64, f64)>>,
@@ -60,24 +62,29 @@ fn colour(family: Family) -> RGBColor {
 }
 
 impl Diagram {
-    /// Of these rows of a stage.
-    pub fn new(stage: &Stage, rows: &[&Row], noise: f64) -> Self {
+    /// Of these rows of a stage. Errors below a tenth of the noise are drawn there.
+    pub fn new(stage: &Stage, rows: &[&Row], measure: Measure, noise: f64) -> Self {
         let mut series: Vec<Series> = Vec::new();
-        for row in rows.iter().filter(|row| row.ms.is_finite() && row.error_m.is_finite()) {
+        for row in rows {
+            let error = measure.of(&row.errors);
+            if !(row.ms.is_finite() && error.is_finite()) {
+                continue;
+            }
             if series.last().is_none_or(|last| last.family != row.family) {
                 series.push(Series { family: row.family, lines: Vec::new(), names: Vec::new() });
             }
             if let Some(last) = series.last_mut() {
                 last.lines.resize(last.lines.len().max(row.line as usize + 1), Vec::new());
-                last.lines[row.line as usize].push((row.ms, 1e3 * row.error_m));
+                last.lines[row.line as usize].push((row.ms, measure.scale() * error.max(0.1 * noise)));
                 last.names.push(row.method.clone());
             }
         }
         Self {
             title: format!("{}, {} × {} vertices: what accuracy costs", stage.scene.title(), stage.side, stage.side),
-            name: format!("{}-{}", stage.scene.name(), stage.side),
+            name: format!("{}-{}-{}", stage.scene.name(), stage.side, measure.name()),
+            measure,
             series,
-            noise: 1e3 * noise,
+            noise: measure.scale() * noise,
         }
     }
 
@@ -142,7 +149,7 @@ impl Figure for Diagram {
             .label_style(text(16, INK))
             .axis_desc_style(text(18, INK))
             .x_desc("time of a frame of 1/60 s on one thread, ms")
-            .y_desc("RMS distance from the converged motion over 0.5 s, mm")
+            .y_desc(self.measure.title())
             .x_label_formatter(&|value| value.to_string())
             .y_label_formatter(&|value| value.to_string())
             .draw()?;
@@ -169,7 +176,8 @@ impl Diagram {
         let line = self.series.len();
         let y = middle(line);
         area.draw(&Rectangle::new([(16, y - 8), (52, y + 8)], NOISE.filled()))?;
-        area.draw(&label(line, &format!("noise, below {} mm", figure(self.noise))))
+        let unit = if matches!(self.measure, Measure::Motion | Measure::Settled) { "mm" } else { "%" };
+        area.draw(&label(line, &format!("noise, below {} {unit}", figure(self.noise))))
     }
 }
 

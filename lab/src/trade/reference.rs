@@ -3,8 +3,9 @@
 use bevy::math::DVec3;
 use bevy_cloth::physics::{Cloth, Fabric, Precision, SolverKind, SolverSettings};
 
-use super::body::{Body, Figures, Ruler, advance, mean_square_distance};
+use super::body::{Body, Figures, Ruler, advance};
 use super::cache::Cache;
+use super::errors::Trace;
 use super::scene::Stage;
 use crate::scenes::DT;
 
@@ -29,10 +30,8 @@ const MOST_SETTLING_FRAMES: u32 = 1800;
 /// Converged answers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// Positions at the end of each frame, m.
-    pub frames: Vec<Vec<DVec3>>,
-    /// What the cloth is like then.
-    pub figures: Vec<Figures>,
+    /// The motion.
+    pub motion: Trace,
     /// Positions at rest, with the held vertices where they are at first, m.
     pub settled: Vec<DVec3>,
 }
@@ -55,16 +54,12 @@ impl Reference {
         let length = 2 + 3 * stage.shape.vertex_count();
         let frames = motion.chunks_exact(length);
         Ok(Self {
-            figures: frames.clone().map(|frame| Figures { stretch: frame[0], energy: frame[1] }).collect(),
-            frames: frames.map(|frame| points(&frame[2..])).collect(),
+            motion: Trace {
+                figures: frames.clone().map(|frame| Figures { stretch: frame[0], energy: frame[1] }).collect(),
+                frames: frames.map(|frame| points(&frame[2..])).collect(),
+            },
             settled: points(&rest),
         })
-    }
-
-    /// The root mean square distance of a motion from this one, over all vertices and frames, m.
-    pub fn distance(&self, frames: &[Vec<DVec3>]) -> f64 {
-        let squares = self.frames.iter().zip(frames).map(|(a, b)| mean_square_distance(a, b));
-        (squares.sum::<f64>() / self.frames.len() as f64).sqrt()
     }
 }
 
@@ -87,14 +82,18 @@ fn converged() -> SolverSettings {
 fn moved(stage: &Stage) -> Vec<f64> {
     let mut cloth = stage.cloth(Stage::fabric(), converged());
     let mut ruler = Ruler::new(stage);
-    let mut numbers = Vec::new();
+    let mut motion = Trace::default();
     for frame in 0..FRAMES {
         advance(&mut cloth, stage, frame);
-        let Figures { stretch, energy } = ruler.measure(&cloth);
-        numbers.extend([stretch, energy]);
-        numbers.extend(cloth.positions().iter().flat_map(|x| x.to_array()));
+        motion.push(&cloth, &mut ruler);
     }
-    numbers
+    let frames = motion.frames.iter().zip(&motion.figures);
+    let numbers = |(positions, figures): (&Vec<DVec3>, &Figures)| {
+        let mut numbers = vec![figures.stretch, figures.energy];
+        numbers.extend(positions.iter().flat_map(|x| x.to_array()));
+        numbers
+    };
+    frames.flat_map(numbers).collect()
 }
 
 /// Positions at rest. The forces at rest depend on no step, so long ones will do.
@@ -132,20 +131,19 @@ mod tests {
         let cache = Cache::new(&folder).unwrap();
         let stage = Stage::new(Scene::Sheet, 8);
         let computed = Reference::new(&stage, &cache).unwrap();
-        assert_eq!((computed.frames.len(), computed.settled.len()), (FRAMES as usize, 64));
+        assert_eq!((computed.motion.frames.len(), computed.settled.len()), (FRAMES as usize, 64));
         assert_eq!(Reference::new(&stage, &cache).unwrap(), computed);
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
         std::fs::remove_dir_all(folder).unwrap();
 
         // Half as many steps again, of second order, are not far off.
         let mut cloth = stage.cloth(Stage::fabric(), SolverSettings { substeps: 48, ..converged() });
-        let frames: Vec<_> = (0..FRAMES)
-            .map(|frame| {
-                advance(&mut cloth, &stage, frame);
-                cloth.positions().to_vec()
-            })
-            .collect();
-        let distance = computed.distance(&frames);
+        let (mut motion, mut ruler) = (Trace::default(), Ruler::new(&stage));
+        for frame in 0..FRAMES {
+            advance(&mut cloth, &stage, frame);
+            motion.push(&cloth, &mut ruler);
+        }
+        let distance = motion.errors(&computed.motion, &ruler).motion_m;
         assert!(distance > 0.0 && distance < 2e-4, "{distance}");
     }
 }

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::body::{Ruler, advance, body, mean_square_distance};
+use super::body::{Ruler, advance, body};
+use super::errors::{Errors, Trace, mean_square_distance};
 use super::method::{Family, Method};
 use super::reference::{FRAMES, Reference};
 use super::scene::{Scene, Stage};
@@ -32,22 +33,16 @@ pub struct Row {
     pub line: u32,
     /// Time of a frame on one thread, ms: the mean over the frames, of each the least time.
     pub ms: f64,
-    /// Root mean square distance from the converged motion over half a second, m.
-    pub error_m: f64,
-    /// Root mean square distance from the shape at rest after two seconds in thick air that began there, m.
-    pub settled_m: f64,
-    /// Mean over the frames of the root mean square elongation, relative to that of the converged motion, less one.
-    pub stretch_error: f64,
-    /// Root mean square difference of total energy from that of the converged motion, in weights of the sheet times its side.
-    pub energy_error: f64,
+    /// How far it is from the truth.
+    #[serde(flatten)]
+    pub errors: Errors,
 }
 
 /// Runs a method.
 pub fn measure(stage: &Stage, method: &Method, reference: &Reference, repeat: u32, progress: &ProgressBar) -> Row {
     let mut ruler = Ruler::new(stage);
     let mut times = vec![Duration::MAX; FRAMES as usize];
-    let (mut stretch, mut energy) = (0.0, 0.0);
-    let mut frames = Vec::new();
+    let mut motion = Trace::default();
     for run in 0..repeat {
         let mut body = body(stage, Stage::fabric(), method.kind);
         for frame in 0..FRAMES {
@@ -56,10 +51,7 @@ pub fn measure(stage: &Stage, method: &Method, reference: &Reference, repeat: u3
             let time = &mut times[frame as usize];
             *time = start.elapsed().min(*time);
             if run == 0 {
-                let (ours, theirs) = (ruler.measure(&*body), reference.figures[frame as usize]);
-                stretch += ours.stretch;
-                energy += ((ours.energy - theirs.energy) / ruler.scale()).powi(2) / f64::from(FRAMES);
-                frames.push(body.positions().to_vec());
+                motion.push(&*body, &mut ruler);
             }
         }
     }
@@ -74,10 +66,7 @@ pub fn measure(stage: &Stage, method: &Method, reference: &Reference, repeat: u3
         method: method.name.clone(),
         line: method.line,
         ms,
-        error_m: reference.distance(&frames),
-        settled_m: settled(stage, method, reference),
-        stretch_error: stretch / reference.figures.iter().map(|figures| figures.stretch).sum::<f64>() - 1.0,
-        energy_error: energy.sqrt(),
+        errors: Errors { settled_m: settled(stage, method, reference), ..motion.errors(&reference.motion, &ruler) },
     };
     progress.inc(1);
     row
@@ -98,16 +87,16 @@ pub const STEPS: u64 = 2;
 
 /// The rows for the reader.
 pub fn table(rows: &[&Row]) -> Table {
-    let mut table = Table::new("method variant ms error/mm settled/mm stretch energy");
+    let mut table = Table::new("method variant ms motion/mm settled/mm stretch energy");
     for row in rows {
         table.row([
             row.family.title().into(),
             row.method.clone(),
             figure(row.ms),
-            figure(1e3 * row.error_m),
-            figure(1e3 * row.settled_m),
-            percent(row.stretch_error),
-            percent(row.energy_error),
+            figure(1e3 * row.errors.motion_m),
+            figure(1e3 * row.errors.settled_m),
+            percent(row.errors.stretch),
+            percent(row.errors.energy),
         ]);
     }
     table
@@ -127,11 +116,12 @@ mod tests {
         let row = |method: &Method| measure(&stage, method, &reference, 1, &ProgressBar::hidden());
 
         let level = row(&Family::Level.methods()[1]);
-        assert!(level.ms > 0.0 && (1e-4..0.05).contains(&level.error_m), "{level:?}");
-        assert!(level.settled_m < 1e-4 && level.energy_error < 0.02 && level.stretch_error.abs() < 0.5, "{level:?}");
+        let Errors { motion_m, settled_m, stretch, energy } = level.errors;
+        assert!(level.ms > 0.0 && (1e-4..0.05).contains(&motion_m), "{level:?}");
+        assert!(settled_m < 1e-4 && energy < 0.02 && stretch.abs() < 0.5, "{level:?}");
         let xpbd = Family::Xpbd.methods();
-        let (coarse, fine) = (row(&xpbd[1]), row(&xpbd[5]));
-        assert!(fine.error_m < 0.5 * coarse.error_m && fine.error_m < 0.02, "{coarse:?} {fine:?}");
+        let (coarse, fine) = (row(&xpbd[1]).errors, row(&xpbd[5]).errors);
+        assert!(fine.motion_m < 0.5 * coarse.motion_m && fine.motion_m < 0.02, "{coarse:?} {fine:?}");
         assert!(fine.settled_m < coarse.settled_m && fine.settled_m < 1e-3, "{coarse:?} {fine:?}");
     }
 }
