@@ -65,10 +65,10 @@ impl Family {
             Self::Tolerance => "BDF2, tolerance 0.1…0.001",
             Self::Double => "BDF2 in f64",
             Self::Cholesky => "BDF2 by Cholesky in f64",
-            Self::Xpbd => "XPBD",
-            Self::XpbdTuned => "XPBD, tuned",
+            Self::Xpbd => "XPBD, 5…320 substeps",
+            Self::XpbdTuned => "XPBD, tuned, 5…320",
             Self::XpbdDamped => "XPBD, tuned and damped",
-            Self::XpbdEq26 => "XPBD, damped as in eq. 26",
+            Self::XpbdEq26 => "XPBD, damped by eq. 26",
         }
     }
 

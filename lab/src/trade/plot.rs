@@ -187,20 +187,26 @@ impl Series {
             chart.draw_series([PathElement::new(line.clone(), stroke(self.family))])?;
             chart.draw_series(line.iter().map(|&point| mark(point, self.family)))?;
         }
-        let (names, offset, place) = match self.family {
-            Family::Level => (self.names.clone(), (-13, 0), Pos::new(HPos::Right, VPos::Center)),
+        let points = self.lines.iter().flatten().copied().zip(self.names.iter());
+        match self.family {
+            Family::Level => chart.draw_series(points.enumerate().map(|(i, (point, name))| {
+                // To the left, or, where the level before has the same error, above and below by turns.
+                let level = i > 0 && self.lines[0][i - 1].1 / point.1 < 1.1;
+                let (offset, place) = match (level, i % 2) {
+                    (false, _) => ((-13, 0), Pos::new(HPos::Right, VPos::Center)),
+                    (true, 0) => ((0, -11), Pos::new(HPos::Center, VPos::Bottom)),
+                    (true, _) => ((0, 11), Pos::new(HPos::Center, VPos::Top)),
+                };
+                EmptyElement::at(point) + Text::new(name.clone(), offset, text(17, INK).pos(place))
+            }))?,
             // The number of substeps alone.
-            Family::Xpbd | Family::XpbdTuned => {
-                let number = |name: &String| name.split(' ').next().unwrap_or_default().to_string();
-                (self.names.iter().map(number).collect(), (8, -6), Pos::new(HPos::Left, VPos::Bottom))
-            }
+            Family::Xpbd | Family::XpbdTuned => chart.draw_series(points.map(|(point, name)| {
+                let number = name.split(' ').next().unwrap_or_default().to_string();
+                let style = text(15, colour(self.family)).pos(Pos::new(HPos::Left, VPos::Bottom));
+                EmptyElement::at(point) + Text::new(number, (8, -4), style)
+            }))?,
             _ => return Ok(()),
         };
-        let style = text(17, colour(self.family)).pos(place);
-        let points = self.lines.iter().flatten();
-        chart.draw_series(
-            points.zip(names).map(|(&point, name)| EmptyElement::at(point) + Text::new(name, offset, style.clone())),
-        )?;
         Ok(())
     }
 }
