@@ -1,7 +1,8 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
-//! One folder per subcommand ([`mod@bench`], [`validate`]), beside what they share: [`scenes`] that others have measured too, the
-//! [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`], [`report`]s as tables and JSON, and [`plot`]s as pictures.
+//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`]), beside what they share: [`scenes`] that others have
+//! measured too, the [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`], [`report`]s as tables and JSON, and
+//! [`plot`]s as pictures.
 
 #![warn(missing_docs)]
 
@@ -12,4 +13,5 @@ pub mod plot;
 pub mod quality;
 pub mod report;
 pub mod scenes;
+pub mod trade;
 pub mod validate;

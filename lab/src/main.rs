@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::{bench, validate};
+use lab::{bench, trade, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -20,12 +20,16 @@ enum Command {
     Bench(bench::Options),
     /// Is it right: cloths with an answer that is known without us. Status 1 if one is off by more than its tolerance.
     Validate(validate::Options),
+    /// What accuracy costs: our solver's settings and XPBD against converged motion, as tables and pictures. Status 1 if a
+    /// quality level is not as much cheaper than XPBD as is wanted.
+    Trade(trade::Options),
 }
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Bench(options) => bench::run(&options),
         Command::Validate(options) => validate::run(&options),
+        Command::Trade(options) => trade::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -61,6 +65,10 @@ mod tests {
             "lab bench --repeat 0",
             "lab bench --parts sheets,flags",
             "lab validate --cases magic",
+            "lab trade --scenes sky",
+            "lab trade --sizes 1",
+            "lab trade --methods pbd",
+            "lab trade --repeat 0",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");

@@ -1,7 +1,7 @@
 //! Scenes that others have been measured on too.
 
 use bevy::math::DVec3;
-use bevy_cloth::physics::{Cloth, Fabric, RestShape, RestShapeOptions, SolverSettings, SurfaceMesh};
+use bevy_cloth::physics::{BendingModel, Cloth, Fabric, RestShape, RestShapeOptions, SolverSettings, SurfaceMesh};
 use rand::rngs::StdRng;
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
@@ -92,9 +92,11 @@ impl Sheet {
         }
     }
 
-    /// The sheet as a mesh.
-    pub fn mesh(&self) -> SurfaceMesh<'_> {
-        SurfaceMesh { positions: &self.positions, triangles: &self.triangles, uvs: Some(&self.uvs) }
+    /// The sheet at rest.
+    pub fn shape(&self, bending: BendingModel) -> RestShape {
+        let mesh = SurfaceMesh { positions: &self.positions, triangles: &self.triangles, uvs: Some(&self.uvs) };
+        let options = RestShapeOptions { bending, ..Default::default() };
+        RestShape::new(&mesh, &options).expect("a sheet is a valid mesh")
     }
 
     /// The vertices of a cloth of this sheet whose places in it are in question.
@@ -105,7 +107,7 @@ impl Sheet {
 
     /// The sheet as cloth, held by its two corners, at rest, under standard gravity.
     pub fn hang(&self, settings: SolverSettings) -> Cloth {
-        let shape = RestShape::new(&self.mesh(), &RestShapeOptions::default()).expect("a sheet is a valid mesh");
+        let shape = self.shape(BendingModel::default());
         let corners = self.corners.map(|v| shape.simulated[v as usize].expect("every vertex has a triangle"));
         let mut cloth = Cloth::new(shape, fabric(), settings).expect("the fabric is valid");
         for vertex in corners {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bevy_cloth::physics::{BendingModel, Cloth, Fabric, RestShape, RestShapeOptions, SolverSettings};
+use bevy_cloth::physics::{BendingModel, Cloth, Fabric, SolverSettings};
 use cpu_time::ProcessTime;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -93,9 +93,7 @@ impl Term {
             }
             Self::AirDrag | Self::PinnedEdge | Self::Free => fabric(),
         };
-        let options = RestShapeOptions { bending, ..Default::default() };
-        let shape = RestShape::new(&sheet.mesh(), &options).expect("a sheet is a valid mesh");
-        let mut cloth = Cloth::new(shape, fabric, settings).expect("the fabric is valid");
+        let mut cloth = Cloth::new(sheet.shape(bending), fabric, settings).expect("the fabric is valid");
         let held: Vec<_> = match self {
             Self::Free => Vec::new(),
             Self::PinnedEdge => sheet.vertices(&cloth, |x| x.z == 0.0),

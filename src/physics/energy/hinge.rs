@@ -57,9 +57,8 @@ impl<T: Real> Gradient<T> {
 #[inline(always)]
 pub fn theta<T: Real>([e, a, b]: Edges<T>) -> T {
     let (n1, n2) = (e.cross(a), b.cross(e));
-    // (n1 × n2)·e/‖e‖ with e ⟂ n1, n2.
-    let length = e.norm_squared().sqrt();
-    let sine = n1.cross(n2).dot(e) / length.if_positive(length, length.splat(1.0));
+    // (n1 × n2)·e/‖e‖, where n1 × n2 = −(n1·b) e.
+    let sine = -(n1.dot(b) * e.norm_squared().sqrt());
     sine.atan2(n1.dot(n2))
 }
 
