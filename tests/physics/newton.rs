@@ -81,6 +81,7 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
         projection: Projection::PositivePart,
         drift: DVec3::ZERO,
     };
+    system.settle(&reached);
     system.assemble(&step, &masses);
     let free = (0..masses.len()).filter(|&vertex| cloth.pin_target(ordering.outer[vertex]).is_none());
     free.map(|vertex| DVec3::from(system.rhs[vertex].to_f64()).length_squared()).sum::<f64>().sqrt()
@@ -89,9 +90,9 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
 #[test]
 fn what_is_left_of_the_equation_of_motion_falls() {
     for pinned in [true, false] {
-        let residuals = [1, 2, 4, 8, 16].map(|newton_steps| residual(pinned, newton_steps));
+        let residuals = [1, 2, 4, 8].map(|newton_steps| residual(pinned, newton_steps));
         assert!(residuals.windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{residuals:?}");
-        assert!(residuals[4] < 1e-2 * residuals[0], "{residuals:?}");
+        assert!(residuals[3] < 1e-2 * residuals[0], "{residuals:?}");
     }
 }
 
