@@ -48,9 +48,9 @@ pub mod prelude {
         BendingModel, Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings,
     };
     pub use crate::plugin::{
-        ATTRIBUTE_CLOTH_PIN, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError, ClothGravity,
-        ClothMaterial, ClothMesh, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothSolver,
-        ClothState, ClothSystems, PinChannel, PinRule, PinVertex,
+        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothDefaultQuality, ClothDiagnosticsPlugin,
+        ClothDisabled, ClothError, ClothGravity, ClothImportance, ClothMaterial, ClothMesh, ClothPinTargets, ClothPins,
+        ClothPlugin, ClothQuality, ClothReset, ClothSolver, ClothState, ClothSystems, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

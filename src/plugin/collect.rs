@@ -1,8 +1,10 @@
 //! What the world says, handed to the physics before a step.
 
 use bevy::math::{DAffine3, DVec3};
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use super::budget::Keeper;
 use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
 use super::error::ClothError;
 use super::material::ClothMaterial;
@@ -30,8 +32,10 @@ pub(super) fn collect(
     default_quality: Res<ClothDefaultQuality>,
     meshes: Res<Assets<Mesh>>,
     transforms: TransformHelper,
+    mut keeper: ResMut<Keeper>,
     mut cloths: Query<Described>,
 ) {
+    let start = Instant::now();
     for (entity, mut state, cloth_mesh, material, solver, quality, pins, targets, disabled, propagated) in &mut cloths {
         let state = &mut *state;
         state.collect_solver(solver, *quality.unwrap_or(&default_quality.0));
@@ -44,15 +48,18 @@ pub(super) fn collect(
         // The transform as it is now, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
         let transform = transforms.compute_global_transform(entity).unwrap_or(*propagated);
         state.collect_transform(&transform, cloth_mesh.teleport_distance.into());
-        if !state.suspended {
+        if !state.suspended && state.pace.is_due() {
             state.place_pins(targets);
         }
     }
+    keeper.spent.collect += start.elapsed();
 }
 
 impl ClothState {
     /// Settings given one by one come before a level of quality.
-    fn collect_solver(&mut self, solver: Option<&ClothSolver>, quality: ClothQuality) {
+    fn collect_solver(&mut self, solver: Option<&ClothSolver>, asked: ClothQuality) {
+        let quality = self.share.rung.map_or(asked, |rung| asked.min(rung.quality()));
+        self.quality = solver.is_none().then_some(quality);
         let settings = solver.map_or_else(|| quality.settings(), |solver| solver.0);
         if settings != *self.cloth.settings() || self.faults.solver.is_some() {
             self.faults.solver = settings.validate().err().map(Into::into);
@@ -94,13 +101,14 @@ impl ClothState {
     fn collect_transform(&mut self, transform: &GlobalTransform, teleport_distance: f64) {
         let followed = usable(transform).and_then(|anchor| {
             let centre = self.binding.centre;
-            let moved = anchor.transform_point3(centre).distance(self.anchor.transform_point3(centre));
+            let moved = anchor.transform_point3(centre).distance(self.seen_anchor.transform_point3(centre));
+            self.seen_anchor = anchor;
             if !same_scale(self.binding.rest_linear, anchor.matrix3) {
                 return self.rescale_to(anchor);
             }
             if self.suspended || moved > teleport_distance {
                 self.carry_to(anchor);
-            } else {
+            } else if self.pace.is_due() {
                 self.previous_anchor = self.anchor;
                 self.anchor = anchor;
             }

@@ -6,11 +6,12 @@ use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnost
 use bevy::prelude::*;
 
 use super::ClothSystems;
+use super::budget::{ClothBudget, ClothBudgetReport};
 use super::state::ClothState;
 use crate::physics::StepReport;
 
-/// Adds the diagnostics named by its constants: sums over all cloths, of the last step each, once per frame in which
-/// there was a step. Costs nothing unless added.
+/// Adds the diagnostics named by its constants: sums over all cloths that were stepped last, once per frame in which
+/// there was a step; and those of a [`ClothBudget`](super::ClothBudget), if there is one. Costs nothing unless added.
 #[derive(Default)]
 pub struct ClothDiagnosticsPlugin;
 
@@ -29,17 +30,29 @@ impl ClothDiagnosticsPlugin {
     pub const CLOTHS: DiagnosticPath = DiagnosticPath::const_new("cloth/cloths");
     /// Number of their simulated vertices.
     pub const VERTICES: DiagnosticPath = DiagnosticPath::const_new("cloth/vertices");
+    /// [`ClothBudgetReport::requested_ms`].
+    pub const BUDGET_REQUESTED: DiagnosticPath = DiagnosticPath::const_new("cloth/budget_requested_ms");
+    /// [`ClothBudgetReport::predicted_ms`].
+    pub const BUDGET_PREDICTED: DiagnosticPath = DiagnosticPath::const_new("cloth/budget_predicted_ms");
+    /// [`ClothBudgetReport::measured_ms`].
+    pub const BUDGET_MEASURED: DiagnosticPath = DiagnosticPath::const_new("cloth/budget_measured_ms");
+    /// [`ClothBudgetReport::lowered`].
+    pub const BUDGET_LOWERED: DiagnosticPath = DiagnosticPath::const_new("cloth/budget_lowered");
 }
 
 impl Plugin for ClothDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        for path in [Self::STEP, Self::ASSEMBLY, Self::SOLVE] {
+        let budget = [Self::BUDGET_REQUESTED, Self::BUDGET_PREDICTED, Self::BUDGET_MEASURED];
+        for path in [Self::STEP, Self::ASSEMBLY, Self::SOLVE].into_iter().chain(budget) {
             app.register_diagnostic(Diagnostic::new(path).with_suffix(" ms"));
         }
-        for path in [Self::ITERATIONS, Self::FALLBACKS, Self::CLOTHS, Self::VERTICES] {
+        for path in [Self::ITERATIONS, Self::FALLBACKS, Self::CLOTHS, Self::VERTICES, Self::BUDGET_LOWERED] {
             app.register_diagnostic(Diagnostic::new(path));
         }
-        app.add_systems(PostUpdate, measure.after(ClothSystems::WriteBack));
+        app.add_systems(
+            PostUpdate,
+            (measure, measure_budget.run_if(resource_exists::<ClothBudget>)).chain().after(ClothSystems::WriteBack),
+        );
     }
 }
 
@@ -49,7 +62,7 @@ fn measure(mut diagnostics: Diagnostics, cloths: Query<&ClothState>, mut steps_b
     if core::mem::replace(&mut *steps_before, steps) == steps {
         return;
     }
-    let stepped = || cloths.iter().filter(|state| !state.suspended).filter_map(|state| Some((state.report?, state)));
+    let stepped = || cloths.iter().filter_map(|state| Some((state.report_of_this_tick()?, state)));
     let sum = |value: fn(&StepReport) -> Duration| {
         stepped().map(|(report, _)| value(&report)).sum::<Duration>().as_secs_f64() * 1e3
     };
@@ -66,4 +79,12 @@ fn measure(mut diagnostics: Diagnostics, cloths: Query<&ClothState>, mut steps_b
     diagnostics.add_measurement(&ClothDiagnosticsPlugin::VERTICES, || {
         stepped().map(|(_, state)| state.cloth.shape().vertex_count() as f64).sum()
     });
+}
+
+fn measure_budget(mut diagnostics: Diagnostics, report: Res<ClothBudgetReport>) {
+    type Plugin = ClothDiagnosticsPlugin;
+    diagnostics.add_measurement(&Plugin::BUDGET_REQUESTED, || report.requested_ms.into());
+    diagnostics.add_measurement(&Plugin::BUDGET_PREDICTED, || report.predicted_ms.into());
+    diagnostics.add_measurement(&Plugin::BUDGET_MEASURED, || report.measured_ms.into());
+    diagnostics.add_measurement(&Plugin::BUDGET_LOWERED, || report.lowered as f64);
 }

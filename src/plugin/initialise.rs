@@ -10,10 +10,12 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
+use super::budget::Share;
 use super::components::ClothMesh;
 use super::error::{ClothError, Faults, report};
 use super::material::ClothMaterial;
 use super::mesh_io::{SourceMesh, own_copy};
+use super::pace::Pace;
 use super::pins::ClothPins;
 use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 use super::shading::Shading;
@@ -189,6 +191,10 @@ impl CandidateItem<'_, '_> {
             previous_positions: positions,
             anchor,
             previous_anchor: anchor,
+            seen_anchor: anchor,
+            pace: Pace::default(),
+            quality: self.solver.is_none().then_some(quality),
+            share: Share::default(),
             stepped: false,
             suspended: false,
             revision: 0,

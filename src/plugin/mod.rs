@@ -13,11 +13,15 @@
 //!    [`ClothSolver`], and [`ClothGravity`] go to the physics.
 //! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side.
 //!
+//! With a [`ClothBudget`], `Collect` begins by deciding how accurate each cloth may be and whether it is stepped in this run, and
+//! `Step` and `WriteBack` end by taking note of what that took.
+//!
 //! Systems that move what holds a cloth belong before `Collect`; those that read the cloth, after `Step`.
 //!
 //! The physics ([`crate::physics`]) knows world space and metres only: an entity's scale makes its cloth larger, heavier
 //! and wider-folded, as real cloth of that size.
 
+mod budget;
 mod collect;
 mod components;
 #[cfg(feature = "debug")]
@@ -28,6 +32,7 @@ mod initialise;
 mod lifecycle;
 mod material;
 mod mesh_io;
+mod pace;
 mod pins;
 mod quality;
 mod shading;
@@ -41,6 +46,7 @@ use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
+pub use budget::{ClothBudget, ClothBudgetReport, ClothImportance};
 pub use components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebugPlugin, ClothGizmos};
@@ -123,6 +129,8 @@ impl Plugin for ClothPlugin {
         let time_passes = |time: Res<Time>| !time.delta().is_zero();
         app.init_resource::<ClothGravity>()
             .init_resource::<ClothDefaultQuality>()
+            .init_resource::<ClothBudgetReport>()
+            .init_resource::<budget::Keeper>()
             .insert_resource(write_back::Interpolate(self.interpolate && self.is_fixed()))
             .configure_sets(self.schedule, (ClothSystems::Collect, ClothSystems::Step).chain())
             .configure_sets(
@@ -136,15 +144,31 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    collect::collect.in_set(ClothSystems::Collect).run_if(time_passes),
-                    step::step.in_set(ClothSystems::Step).run_if(time_passes),
+                    (
+                        budget::plan.run_if(resource_exists::<ClothBudget>),
+                        budget::release.run_if(budget::is_left_over),
+                        collect::collect,
+                    )
+                        .chain()
+                        .in_set(ClothSystems::Collect)
+                        .run_if(time_passes),
+                    (step::step, budget::observe.run_if(resource_exists::<ClothBudget>))
+                        .chain()
+                        .in_set(ClothSystems::Step)
+                        .run_if(time_passes),
                 ),
             )
             .add_systems(
                 PostUpdate,
                 (
                     initialise::initialise.in_set(ClothSystems::Initialise),
-                    (write_back::write_back, error::report_faults).chain().in_set(ClothSystems::WriteBack),
+                    (
+                        write_back::write_back,
+                        error::report_faults,
+                        budget::close_frame.run_if(resource_exists::<ClothBudget>),
+                    )
+                        .chain()
+                        .in_set(ClothSystems::WriteBack),
                 ),
             )
             .add_observer(lifecycle::reset)
@@ -156,6 +180,9 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothQuality>()
             .register_type::<ClothDefaultQuality>()
             .register_type::<ClothSolver>()
+            .register_type::<ClothImportance>()
+            .register_type::<ClothBudget>()
+            .register_type::<ClothBudgetReport>()
             .register_type::<ClothDisabled>()
             .register_type::<ClothError>()
             .register_type::<ClothGravity>()

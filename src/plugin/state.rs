@@ -5,8 +5,11 @@ use bevy::ecs::change_detection::Tick;
 use bevy::math::{DAffine3, DMat3, DVec3};
 use bevy::prelude::*;
 
+use super::budget::{Rung, Share};
 use super::error::{ClothError, Faults};
 use super::mesh_io::SourceMesh;
+use super::pace::Pace;
+use super::quality::ClothQuality;
 use super::shading::Shading;
 use crate::physics::{Cloth, MeshError, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
 
@@ -24,6 +27,12 @@ pub struct ClothState {
     /// The entity's transform in the last step and the one before, from mesh to world.
     pub(super) anchor: DAffine3,
     pub(super) previous_anchor: DAffine3,
+    /// Its transform in the last tick, in which there may have been no step.
+    pub(super) seen_anchor: DAffine3,
+    pub(super) pace: Pace,
+    /// The level it is solved at; `None` with settings given one by one.
+    pub(super) quality: Option<ClothQuality>,
+    pub(super) share: Share,
     /// Stepped since it was placed: only then is there anything to interpolate.
     pub(super) stepped: bool,
     /// Disabled, or without a usable transform: not stepped, and carried along when it resumes.
@@ -100,6 +109,23 @@ impl ClothState {
         self.report.as_ref()
     }
 
+    /// The level that the cloth is solved at: the one asked for, or a lower one if a [`ClothBudget`](super::ClothBudget) says
+    /// so. `None` with a [`ClothSolver`](super::ClothSolver).
+    pub fn quality(&self) -> Option<ClothQuality> {
+        self.quality
+    }
+
+    /// Runs of the schedule of [`ClothPlugin`](super::ClothPlugin) from step to step: 1, unless a
+    /// [`ClothBudget`](super::ClothBudget) made it 2, 4 or 8.
+    pub fn update_interval(&self) -> u32 {
+        self.share.rung.map_or(1, Rung::interval)
+    }
+
+    /// The report of the step in the last tick, if there was one in it.
+    pub(super) fn report_of_this_tick(&self) -> Option<StepReport> {
+        self.report.filter(|_| self.stepped && !self.suspended && self.pace.since == 0)
+    }
+
     /// Moves the cloth as it is, velocities included, and carries the anchor along.
     pub(super) fn carry_to(&mut self, anchor: DAffine3) {
         self.cloth.transform(anchor * self.anchor.inverse());
@@ -118,6 +144,8 @@ impl ClothState {
     /// After a jump: there is nothing to interpolate from.
     fn settle(&mut self) {
         self.previous_anchor = self.anchor;
+        self.seen_anchor = self.anchor;
+        self.pace.pending = 0.0;
         self.previous_positions.clear();
         self.previous_positions.extend_from_slice(self.cloth.positions());
         self.stepped = false;

@@ -2,8 +2,10 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::math::{DAffine3, DVec3};
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use super::budget::Keeper;
 use super::components::ClothDisabled;
 use super::mesh_io;
 use super::state::{ClothState, ShownFrom, usable};
@@ -15,10 +17,12 @@ pub(super) struct Interpolate(pub bool);
 /// See [`ClothSystems::WriteBack`](super::ClothSystems::WriteBack).
 pub(super) fn write_back(
     interpolate: Res<Interpolate>,
+    mut keeper: ResMut<Keeper>,
     fixed: Res<Time<Fixed>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut cloths: Query<(&mut ClothState, &GlobalTransform, Option<&mut Aabb>, Has<ClothDisabled>)>,
 ) {
+    let start = Instant::now();
     let fraction = if interpolate.0 { fixed.overstep_fraction().clamp(0.0, 1.0) } else { 1.0 };
     for (mut state, transform, aabb, disabled) in &mut cloths {
         let Some(from) = state.to_show(transform, fraction, disabled) else { continue };
@@ -31,6 +35,7 @@ pub(super) fn write_back(
             *aabb = bounds;
         }
     }
+    keeper.spent.write_back += start.elapsed();
 }
 
 impl ClothState {
@@ -41,7 +46,7 @@ impl ClothState {
         if still && self.shown.from.as_ref().is_some_and(|from| from.revision == self.revision) {
             return None;
         }
-        let alpha = if self.stepped { fraction } else { 1.0 };
+        let alpha = if self.stepped { self.pace.shown(fraction) } else { 1.0 };
         let (alpha, frame) = if self.is_anchored() || still {
             // In the frame of its entity, so that held vertices keep their place to the last bit, however fast it moves.
             interpolated_frame(self.previous_anchor, self.anchor, alpha)

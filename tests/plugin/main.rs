@@ -1,5 +1,6 @@
 //! The plugin, in headless apps.
 
+mod budget;
 mod common;
 mod debug;
 mod diagnostics;

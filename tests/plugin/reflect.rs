@@ -23,13 +23,19 @@ fn everything_is_registered() {
         registration::<ClothPinTargets>(&app),
         registration::<ClothSolver>(&app),
         registration::<ClothQuality>(&app),
+        registration::<ClothImportance>(&app),
         registration::<ClothDisabled>(&app),
         registration::<ClothError>(&app),
     ];
     for component in components {
         assert!(component.data::<ReflectComponent>().is_some(), "{component:?}");
     }
-    for resource in [registration::<ClothGravity>(&app), registration::<ClothDefaultQuality>(&app)] {
+    for resource in [
+        registration::<ClothGravity>(&app),
+        registration::<ClothDefaultQuality>(&app),
+        registration::<ClothBudget>(&app),
+        registration::<ClothBudgetReport>(&app),
+    ] {
         assert!(resource.data::<ReflectResource>().is_some(), "{resource:?}");
     }
     registration::<Fabric>(&app);
@@ -47,6 +53,7 @@ fn what_a_user_writes_is_serialisable() {
         registration::<ClothPins>(&app),
         registration::<ClothPinTargets>(&app),
         registration::<ClothQuality>(&app),
+        registration::<ClothImportance>(&app),
         registration::<ClothDefaultQuality>(&app),
         registration::<ClothSolver>(&app),
         registration::<ClothDisabled>(&app),
