@@ -98,7 +98,7 @@ impl Diagram {
             .points()
             .map(coordinate)
             .fold((f64::MAX, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
-        if low < high { 0.7 * low..1.4 * high } else { 0.1..10.0 }
+        if low < high { 0.6 * low..1.6 * high } else { 0.1..10.0 }
     }
 }
 
@@ -127,7 +127,7 @@ impl Figure for Diagram {
         let (cost, mut error) = (self.range(|point| point.0), self.range(|point| point.1));
         // Noise that is far below all errors need not be seen.
         if self.noise > 0.1 * error.start {
-            error.start = error.start.min(0.7 * self.noise);
+            error.start = error.start.min(0.6 * self.noise);
         }
         let axis = |range: &Range<f64>| range.clone().log_scale().with_key_points(ticks(range));
         let mut chart = ChartBuilder::on(&left)
