@@ -9,7 +9,7 @@ use crate::bench::Quality;
 
 /// Methods that differ in one thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Family {
     /// Every quality level.
     Level,
