@@ -190,8 +190,8 @@ impl Series {
         let points = self.lines.iter().flatten().copied().zip(self.names.iter());
         match self.family {
             Family::Level => chart.draw_series(points.enumerate().map(|(i, (point, name))| {
-                // To the left, or, where the level before has the same error, above and below by turns.
-                let level = i > 0 && self.lines[0][i - 1].1 / point.1 < 1.1;
+                // To the left, or, where the level before has about the same error, above and below by turns.
+                let level = i > 0 && self.lines[0][i - 1].1 / point.1 < 1.3;
                 let (offset, place) = match (level, i % 2) {
                     (false, _) => ((-13, 0), Pos::new(HPos::Right, VPos::Center)),
                     (true, 0) => ((0, -11), Pos::new(HPos::Center, VPos::Bottom)),
