@@ -8,7 +8,7 @@ use super::xpbd;
 
 /// Methods that differ in one thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Family {
     /// Every quality level.
     Level,

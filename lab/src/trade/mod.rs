@@ -1,8 +1,8 @@
 //! What accuracy costs: the work–precision diagram of our solver and of a baseline, XPBD.
 //!
-//! Every [`method`] moves the cloth of every [`scene`]; a [`row`] says what a frame takes and how far the motion is from the
-//! converged one of the [`reference`], beside the [`noise`] below which such differences mean nothing. From the rows come
-//! a picture for each scene and size ([`plot`]), the Pareto [`front`] of our settings, and the [`verdict`].
+//! Every `method` moves the cloth of every `scene`; a `row` says what a frame takes and how far the motion is from the
+//! converged one of the `reference`, beside the `noise` below which such differences mean nothing. From the rows come
+//! a picture for each scene and size (`plot`), the Pareto `front` of our settings, and the `verdict`.
 
 mod body;
 mod cache;

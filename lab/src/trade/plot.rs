@@ -99,7 +99,7 @@ impl Diagram {
             .points()
             .map(coordinate)
             .fold((f64::MAX, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
-        if low < high { 0.7 * low..1.4 * high } else { 0.1..10.0 }
+        if low < high { 0.6 * low..1.6 * high } else { 0.1..10.0 }
     }
 }
 
@@ -128,7 +128,7 @@ impl Figure for Diagram {
         let (cost, mut error) = (self.range(|point| point.0), self.range(|point| point.1));
         // Noise that is far below all errors need not be seen.
         if self.noise > 0.1 * error.start {
-            error.start = error.start.min(0.7 * self.noise);
+            error.start = error.start.min(0.6 * self.noise);
         }
         let axis = |range: &Range<f64>| range.clone().log_scale().with_key_points(ticks(range));
         let mut chart = ChartBuilder::on(&left)
@@ -191,8 +191,8 @@ impl Series {
         let points = self.lines.iter().flatten().copied().zip(self.names.iter());
         match self.family {
             Family::Level => chart.draw_series(points.enumerate().map(|(i, (point, name))| {
-                // To the left, or, where the level before has the same error, above and below by turns.
-                let level = i > 0 && self.lines[0][i - 1].1 / point.1 < 1.1;
+                // To the left, or, where the level before has about the same error, above and below by turns.
+                let level = i > 0 && self.lines[0][i - 1].1 / point.1 < 1.3;
                 let (offset, place) = match (level, i % 2) {
                     (false, _) => ((-13, 0), Pos::new(HPos::Right, VPos::Center)),
                     (true, 0) => ((0, -11), Pos::new(HPos::Center, VPos::Bottom)),

@@ -11,14 +11,16 @@
 //! Physics Simulation". Constraints are solved one after the other (Gauss–Seidel); those of one colour share no vertex, so eight
 //! of them go side by side.
 //!
-//! The energies are those of the implicit step: [`triangles`] have the Green strain as a vector of three constraints, whose
-//! compliance is the inverse of the material's matrix; [`hinges`] have the dihedral angle. So the limit of many substeps is the
+//! The energies are those of the implicit step: `triangles` have the Green strain as a vector of three constraints, whose
+//! compliance is the inverse of the material's matrix; `hinges` have the dihedral angle. So the limit of many substeps is the
 //! same motion. Damping is stiffness-proportional there, β = dp α⁻¹, which gives γ = dp/Δt for every constraint.
 
 mod batch;
 mod colouring;
 mod hinges;
 mod order;
+mod pass;
+mod settings;
 mod triangles;
 mod twin;
 
@@ -28,44 +30,9 @@ use bevy_cloth::physics::{Fabric, RestShape};
 
 use self::hinges::Hinges;
 use self::order::Order;
+use self::pass::Pass;
+pub use self::settings::{Damping, Settings};
 use self::triangles::Triangles;
-
-/// How the material's damping enters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Damping {
-    /// Not at all: what the substeps lose by themselves is left.
-    None,
-    /// As the paper has it, in every constraint (2016, eq. 26).
-    Constraints,
-    /// In a pass of its own over the velocities, which leaves the constraints as stiff as they are.
-    Velocities,
-}
-
-/// What can be chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Substeps of a frame.
-    pub substeps: u32,
-    /// See [`Damping`].
-    pub damping: Damping,
-    /// ω: 1, or more for over-relaxation. ∇C M⁻¹ ∇Cᵀ, which makes a constraint give way, counts 1/ω; the compliance counts in
-    /// full, so that the limit of many substeps stays the same.
-    pub relaxation: f64,
-    /// Bending is solved in every so many-th substep, for all of them: a divisor of their number.
-    pub bending_every: u32,
-}
-
-impl Settings {
-    /// As the papers have it, undamped.
-    pub const fn published(substeps: u32) -> Self {
-        Self { substeps, damping: Damping::None, relaxation: 1.0, bending_every: 1 }
-    }
-
-    /// As good as we could make it for the scenes here: over-relaxed, and bending, which is soft, solved rarely.
-    pub const fn tuned(substeps: u32) -> Self {
-        Self { relaxation: 1.5, bending_every: 5, ..Self::published(substeps) }
-    }
-}
 
 /// A vertex: its position at the beginning of the substep, m, and how far it has moved in it, m.
 ///
@@ -201,44 +168,6 @@ impl<T: Scalar> Xpbd<T> {
     /// Length of a substep, s.
     fn dt(&self) -> f64 {
         self.frame / f64::from(self.settings.substeps)
-    }
-}
-
-/// How the elements are to be solved.
-#[derive(Clone, Copy, Debug)]
-struct Pass {
-    /// Δt², s².
-    dt2: f64,
-    /// What the constraint's value counts: 1, or 0 where only its rate does.
-    value: f64,
-    /// What its change in this substep counts, γ; 0 if it is not to be looked at.
-    rate: f64,
-    /// Factor of the compliance.
-    compliance: f64,
-    /// Factor of ∇C M⁻¹ ∇Cᵀ: 1 + γ, or 1 where only the rate counts, and less if over-relaxed.
-    mobility: f64,
-}
-
-impl Pass {
-    /// The pass over the positions and, if there is one, that over the velocities.
-    fn of(settings: &Settings, dt: f64, dp: f64) -> (Self, Option<Self>) {
-        let gamma = if settings.damping == Damping::Constraints { dp / dt } else { 0.0 };
-        let mobility = (1.0 + gamma) / settings.relaxation;
-        let positions = Self { dt2: dt * dt, value: 1.0, rate: gamma, compliance: 1.0, mobility };
-        // The stress dp C ε̇ of the rate at the end of the substep: compliance dt/dp for the strain of a substep.
-        let velocities = (settings.damping == Damping::Velocities && dp > 0.0).then(|| Self {
-            value: 0.0,
-            rate: 1.0,
-            compliance: dt / dp,
-            mobility: 1.0,
-            ..positions
-        });
-        (positions, velocities)
-    }
-
-    /// For so many substeps at once: an impulse that is to last.
-    fn lasting(self, substeps: u32) -> Self {
-        Self { dt2: self.dt2 * f64::from(substeps), ..self }
     }
 }
 
