@@ -101,7 +101,8 @@ impl Family {
                 .collect()
             }
             Self::Double => substeps(&[1, 4], SolverSettings { precision: Precision::Double, ..default }),
-            Self::Cholesky => substeps(&[1, 4], SolverSettings::reference()),
+            // One, as it takes as long as all the others together.
+            Self::Cholesky => substeps(&[1], SolverSettings::reference()),
             Self::Xpbd => baseline(self, &SUBSTEPS, xpbd::Settings::published),
             Self::XpbdTuned => baseline(self, &SUBSTEPS, xpbd::Settings::tuned),
             Self::XpbdDamped => {
@@ -148,7 +149,7 @@ mod tests {
     fn every_family_has_valid_methods_of_different_names() {
         for family in Family::value_variants() {
             let methods = family.methods();
-            assert!(methods.len() >= 2, "{family:?}");
+            assert!(!methods.is_empty(), "{family:?}");
             for (i, method) in methods.iter().enumerate() {
                 assert!(methods[..i].iter().all(|other| other.name != method.name), "{}", method.name);
                 match method.kind {
