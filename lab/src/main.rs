@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::{bench, validate};
+use lab::{bench, budget, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -20,12 +20,15 @@ enum Command {
     Bench(bench::Options),
     /// Is it right: cloths with an answer that is known without us. Status 1 if one is off by more than its tolerance.
     Validate(validate::Options),
+    /// Does a frame budget keep its word under a load of several times it. Status 1 if not.
+    Budget(budget::Options),
 }
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Bench(options) => bench::run(&options),
         Command::Validate(options) => validate::run(&options),
+        Command::Budget(options) => budget::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -61,6 +64,8 @@ mod tests {
             "lab bench --repeat 0",
             "lab bench --parts sheets,flags",
             "lab validate --cases magic",
+            "lab budget --load 0.5",
+            "lab budget --frames 10",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");
