@@ -1,12 +1,13 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
-//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`]), beside what they share: [`scenes`] that others have
-//! measured too, the [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`], [`report`]s as tables and JSON, and
-//! [`plot`]s as pictures.
+//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`], [`mod@budget`]), beside what they share: [`scenes`] that
+//! others have measured too, the [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`], [`report`]s as tables and
+//! JSON, and [`plot`]s as pictures.
 
 #![warn(missing_docs)]
 
 pub mod bench;
+pub mod budget;
 pub mod matrix;
 pub mod memory;
 pub mod plot;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::{bench, trade, validate};
+use lab::{bench, budget, trade, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -23,6 +23,8 @@ enum Command {
     /// What accuracy costs: our solver's settings and XPBD against converged motion, as tables and pictures. Status 1 if a
     /// quality level is not as much cheaper than XPBD as is wanted.
     Trade(trade::Options),
+    /// Does a frame budget keep its word under a load of several times it. Status 1 if not.
+    Budget(budget::Options),
 }
 
 fn main() -> ExitCode {
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench::run(&options),
         Command::Validate(options) => validate::run(&options),
         Command::Trade(options) => trade::run(&options),
+        Command::Budget(options) => budget::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -69,6 +72,8 @@ mod tests {
             "lab trade --sizes 1",
             "lab trade --methods pbd",
             "lab trade --repeat 0",
+            "lab budget --load 0.5",
+            "lab budget --frames 10",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");

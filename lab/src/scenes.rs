@@ -1,6 +1,8 @@
 //! Scenes that others have been measured on too.
 
+use bevy::asset::RenderAssetUsages;
 use bevy::math::DVec3;
+use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy_cloth::physics::{BendingModel, Cloth, Fabric, RestShape, RestShapeOptions, SolverSettings, SurfaceMesh};
 use rand::rngs::StdRng;
 use rand::seq::SliceRandom;
@@ -103,6 +105,16 @@ impl Sheet {
     pub fn vertices(&self, cloth: &Cloth, which: impl Fn(DVec3) -> bool) -> Vec<u32> {
         let places = self.positions.iter().zip(&cloth.shape().simulated);
         places.filter(|(place, _)| which(**place)).filter_map(|(_, simulated)| *simulated).collect()
+    }
+
+    /// The sheet as an asset, with the attributes of an ordinary mesh.
+    pub fn mesh(&self) -> Mesh {
+        let positions: Vec<_> = self.positions.iter().map(|p| p.as_vec3().to_array()).collect();
+        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 1.0, 0.0]; positions.len()])
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, self.uvs.clone())
+            .with_inserted_indices(Indices::U32(self.triangles.as_flattened().to_vec()))
     }
 
     /// The sheet as cloth, held by its two corners, at rest, under standard gravity.

@@ -13,8 +13,8 @@
 //!    [`ClothSolver`], and [`ClothGravity`] go to the physics.
 //! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side.
 //!
-//! With a [`ClothBudget`], `Collect` begins by deciding how accurate each cloth may be and whether it is stepped in this run, and
-//! `Step` and `WriteBack` end by taking note of what that took.
+//! With a [`ClothBudget`], `Collect` begins by deciding how accurate each cloth may be and whether it is stepped in this
+//! run, and `Step` and `WriteBack` end by taking note of what that took.
 //!
 //! Systems that move what holds a cloth belong before `Collect`; those that read the cloth, after `Step`.
 //!

@@ -2,9 +2,8 @@
 
 use std::time::Instant;
 
-use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
-use bevy::mesh::{Indices, MeshPlugin, PrimitiveTopology};
+use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_cloth::plugin::{ClothMaterial, ClothMesh, ClothPins, ClothPlugin, ClothSolver, ClothState, ClothSystems};
@@ -109,7 +108,7 @@ fn app(case: Case) -> App {
         );
 
     let sheet = Sheet::new(case.side, case.meshing);
-    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh(&sheet));
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(sheet.mesh());
     for _ in 0..case.cloths {
         app.world_mut().spawn((
             Mesh3d(mesh.clone()),
@@ -129,16 +128,6 @@ fn app(case: Case) -> App {
     }
     assert_eq!(app.world_mut().query::<&ClothState>().iter(app.world()).count(), case.cloths, "every cloth starts");
     app
-}
-
-/// The sheet as an asset, with the attributes of an ordinary mesh.
-fn mesh(sheet: &Sheet) -> Mesh {
-    let positions: Vec<_> = sheet.positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 1.0, 0.0]; positions.len()])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, sheet.uvs.clone())
-        .with_inserted_indices(Indices::U32(sheet.triangles.as_flattened().to_vec()))
 }
 
 /// The rows for the reader.

@@ -30,8 +30,8 @@ pub(in crate::plugin) struct Spent {
     pub collect: Duration,
     pub step: Duration,
     pub write_back: Duration,
-    /// All steps one after another.
-    cpu: Duration,
+    /// What the steps were expected to take one after another, s.
+    expected: f64,
     ticks: u32,
 }
 
@@ -74,28 +74,29 @@ pub(in crate::plugin) struct Keeper {
     /// Time beside the steps: per tick and per frame, s.
     collect: Average,
     write_back: Average,
-    /// Time of all steps of a frame one after another, and as it was, s.
-    cpu: Average,
-    wall: Average,
+    /// Time of all steps of a frame as expected, one after another, and as it was, s.
+    expected: Average,
+    step: Average,
 }
 
 impl Keeper {
-    /// How much sooner steps are done than one after another.
-    fn speed_up(&self) -> f64 {
-        let (cpu, wall) = (self.cpu.or(1.0), self.wall.or(1.0));
-        if wall > 0.0 { (cpu / wall).max(0.1) } else { 1.0 }
+    /// Time of the steps of a tick, relative to what was expected of them one after another: less where threads share the work,
+    /// more where other programs are in the way or a few steps take much longer than most.
+    fn slowness(&self) -> f64 {
+        let slowness = self.step.or(1.0) / self.expected.or(1.0);
+        if slowness.is_finite() { slowness.max(1e-3) } else { 1.0 }
     }
 
     /// Time that the steps of a tick may take one after another, s.
     fn capacity(&self, budget: ClothBudget) -> f64 {
         let of_a_frame = 1e-3 * f64::from(budget.ms).max(0.0);
         let of_a_tick = (of_a_frame - self.write_back.or(0.0)) / self.ticks.or(1.0).max(1.0) - self.collect.or(0.0);
-        of_a_tick.max(0.0) * self.speed_up()
+        of_a_tick.max(0.0) / self.slowness()
     }
 
-    /// Time of a frame whose steps take this in a tick, one after another, ms.
-    fn frame_ms(&self, cpu: f64) -> f32 {
-        let of_a_tick = cpu / self.speed_up() + self.collect.or(0.0);
+    /// Time of a frame in a tick of which steps are expected to take `steps` seconds one after another, ms.
+    fn frame_ms(&self, steps: f64) -> f32 {
+        let of_a_tick = steps * self.slowness() + self.collect.or(0.0);
         (1e3 * (of_a_tick * self.ticks.or(1.0).max(1.0) + self.write_back.or(0.0))) as f32
     }
 }
@@ -186,7 +187,7 @@ pub(in crate::plugin) fn observe(mut keeper: ResMut<Keeper>, mut cloths: Query<&
         let state = &mut *state;
         if let (Some(report), Some(rung)) = (state.report_of_this_tick(), state.share.rung) {
             let vertices = state.cloth.shape().vertex_count();
-            keeper.spent.cpu += report.total;
+            keeper.spent.expected += keeper.model.of(&state.share.cost, vertices, rung);
             keeper.model.observe(&mut state.share.cost, vertices, rung, report.total.as_secs_f64());
         }
     }
@@ -202,9 +203,9 @@ pub(in crate::plugin) fn close_frame(mut keeper: ResMut<Keeper>, mut report: Res
         keeper.ticks.add(spent.ticks.into());
         keeper.collect.add(spent.collect.as_secs_f64() / f64::from(spent.ticks));
     }
-    if !spent.cpu.is_zero() {
-        keeper.cpu.add(spent.cpu.as_secs_f64());
-        keeper.wall.add(spent.step.as_secs_f64());
+    if spent.expected > 0.0 {
+        keeper.expected.add(spent.expected);
+        keeper.step.add(spent.step.as_secs_f64());
     }
     *report = ClothBudgetReport {
         requested_ms: keeper.frame_ms(keeper.requested),
