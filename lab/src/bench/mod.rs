@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 mod case;
+pub mod features;
 mod options;
 pub mod plugin;
 pub mod solver;
@@ -37,6 +38,7 @@ enum Record<'a> {
     Plugin(&'a plugin::PluginRow),
     Accuracy(&'a accuracy::AccuracyRow),
     Term(&'a terms::TermRow),
+    Feature(&'a features::FeatureRow),
     Target(&'a targets::Verdict),
 }
 
@@ -51,7 +53,8 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
     let accuracy_cases = Case::of_accuracy(options);
     let (frames, repeat) = (options.frames, options.repeat);
     let with_terms = options.parts.contains(&Part::Terms);
-    let timed = (solver_cases.len() + plugin_cases.len() + usize::from(with_terms)) as u64 * u64::from(frames * repeat);
+    let timed =
+        (solver_cases.len() + plugin_cases.len() + 2 * usize::from(with_terms)) as u64 * u64::from(frames * repeat);
     let progress = progress_bar(timed + accuracy_cases.len() as u64 * accuracy::frames());
 
     let mut rows = Vec::new();
@@ -75,13 +78,18 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         record(Record::Accuracy(&row))?;
         accuracy_rows.push(row);
     }
-    let mut term_rows = Vec::new();
+    let (mut term_rows, mut feature_rows) = (Vec::new(), Vec::new());
     if with_terms {
         progress.set_message("terms");
         let settings = options.quality.settings();
         term_rows = pool(1)?.install(|| terms::measure(TERMS_SIDE, settings, frames, repeat, &progress));
         for row in &term_rows {
             record(Record::Term(row))?;
+        }
+        let case = Case { quality: options.quality, ..Case::CROWD };
+        feature_rows = pool(1)?.install(|| features::measure(case, frames, repeat, &progress));
+        for row in &feature_rows {
+            record(Record::Feature(row))?;
         }
     }
     progress.finish_and_clear();
@@ -95,6 +103,7 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         (!plugin_rows.is_empty()).then(|| plugin::table(&plugin_rows)),
         (!accuracy_rows.is_empty()).then(|| accuracy::table(&accuracy_rows)),
         (!term_rows.is_empty()).then(|| terms::table(&term_rows)),
+        (!feature_rows.is_empty()).then(|| features::table(&feature_rows)),
         (!verdicts.is_empty()).then(|| targets::table(&verdicts)),
     ];
     let mut text = format!("Sheets hung by two corners, {frames} frames of 1/60 s. Times in ms per frame.\n\n");

@@ -61,7 +61,7 @@ pub enum Part {
     Plugin,
     /// Error and stretch of the default step against converged ones, in every size.
     Accuracy,
-    /// What each optional term of the model costs.
+    /// What each optional term of the model and each optional feature of the plugin costs.
     Terms,
 }
 

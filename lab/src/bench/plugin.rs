@@ -63,7 +63,7 @@ pub fn measure(case: Case, frames: u32, repeat: u32, progress: &ProgressBar) -> 
 /// Times of updates, and in them of collecting, stepping, writing back and the rest.
 fn run(case: Case, frames: u32, progress: &ProgressBar) -> Frames<5> {
     let mut times = Frames::with_capacity(frames);
-    let mut app = app(case);
+    let mut app = app(case, |_| {});
     for _ in 0..frames {
         let start = Instant::now();
         app.update();
@@ -84,8 +84,8 @@ fn mark<const WHICH: usize>(mut marks: ResMut<Marks>) {
     marks.0[WHICH] = Instant::now();
 }
 
-/// An app in which the cloths hang; every update is one step.
-fn app(case: Case) -> App {
+/// An app in which the cloths hang, with what else `add` adds to it; every update is one step.
+pub(super) fn app(case: Case, add: impl FnOnce(&mut App)) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin, ClothPlugin::default()))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
@@ -120,6 +120,7 @@ fn app(case: Case) -> App {
             Aabb::default(),
         ));
     }
+    add(&mut app);
     app.finish();
     app.cleanup();
     // The cloths start in the first update; in no more than two, time does not pass.
