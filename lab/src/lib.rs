@@ -1,8 +1,8 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
-//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`], [`mod@budget`]), beside what they share: [`scenes`] that
-//! others have measured too, the [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`], [`report`]s as tables and
-//! JSON, and [`plot`]s as pictures.
+//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`], [`stability`], [`mod@budget`]), beside what they share:
+//! [`scenes`] that others have measured too, the [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`],
+//! [`report`]s as tables and JSON, and [`plot`]s as pictures.
 
 #![warn(missing_docs)]
 
@@ -14,5 +14,6 @@ pub mod plot;
 pub mod quality;
 pub mod report;
 pub mod scenes;
+pub mod stability;
 pub mod trade;
 pub mod validate;

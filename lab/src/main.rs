@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::{bench, budget, trade, validate};
+use lab::{bench, budget, stability, trade, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -25,6 +25,9 @@ enum Command {
     Trade(trade::Options),
     /// Does a frame budget keep its word under a load of several times it. Status 1 if not.
     Budget(budget::Options),
+    /// Does it hold: thousands of cloths at the extremes of step, stiffness, mesh and motion. Status 1 if one gains energy, is
+    /// not finite or panics, or too many stand still.
+    Stability(stability::Options),
 }
 
 fn main() -> ExitCode {
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
         Command::Validate(options) => validate::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Budget(options) => budget::run(&options),
+        Command::Stability(options) => stability::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -74,6 +78,8 @@ mod tests {
             "lab trade --repeat 0",
             "lab budget --load 0.5",
             "lab budget --frames 10",
+            "lab stability --runs many",
+            "lab stability --only -1",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");

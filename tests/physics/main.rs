@@ -5,6 +5,7 @@ mod assembly;
 mod bending;
 mod derivatives;
 mod determinism;
+mod extremes;
 mod meshes;
 mod newton;
 mod pins;

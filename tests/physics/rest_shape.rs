@@ -112,3 +112,12 @@ fn a_modelled_fold_is_the_rest_shape_unless_asked_otherwise() {
     assert!((fold(&RestShapeOptions::default()) - 90.0).abs() < 1e-9);
     assert_eq!(fold(&RestShapeOptions { rest_flat: true, ..Default::default() }), 0.0);
 }
+
+#[test]
+fn a_triangle_too_large_for_numbers_is_left_out() {
+    let huge = 1e100;
+    let shape =
+        build(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [huge, 0., 0.], [0., huge, 0.]], &[[0, 3, 4], [0, 1, 2]]);
+    // A huge mesh has a huge weld distance too: here all that is small becomes one.
+    assert_eq!(shape.unwrap_err(), MeshError::Empty { given: 2 });
+}

@@ -31,6 +31,8 @@ pub(super) struct Implicit<T: Scalar> {
     history: History,
     /// Elastic energy of the present state, if known, J.
     pub energy_now: Option<f64>,
+    /// Energy gained that nothing gave, and not lost again since, J.
+    pub surplus: f64,
 
     solution: Vec<Padded<T>>,
     /// Of a cloth without pins; else empty.
@@ -71,6 +73,8 @@ pub(super) enum Guess {
     Inertia,
     /// At the point of linearisation, where an earlier solve of this step has led.
     Point,
+    /// There too, and nothing is added to what conjugate gradients find: wherever they stop, the moves lower what they minimise.
+    Downhill,
 }
 
 /// What of the linear system depends on the scheme.
@@ -97,6 +101,7 @@ impl<T: Scalar> Implicit<T> {
             air_drag: fabric.air_drag.into(),
             history: History { state: state.clone(), dt: None, changed: false },
             energy_now: None,
+            surplus: 0.0,
             constraints: Constraints::default(),
             system,
             solution: small_zeros,
@@ -212,7 +217,7 @@ impl<T: Scalar> Implicit<T> {
             projection: linear.projection,
             drift: DVec3::ZERO,
         };
-        implicit.drift = if any_held && guess == Guess::Point {
+        implicit.drift = if guess == Guess::Downhill || (any_held && guess == Guess::Point) {
             DVec3::ZERO
         } else if any_held {
             let parts = system.matrix.pattern().parts();
@@ -241,7 +246,7 @@ impl<T: Scalar> Implicit<T> {
         let guessed = |vertex: usize| {
             let free = match guess {
                 Guess::Inertia => implicit.inertial_move(vertex) + fall - implicit.drift,
-                Guess::Point => -implicit.drift,
+                Guess::Point | Guess::Downhill => -implicit.drift,
             };
             if held[vertex] { prescribed(vertex) } else { Padded::from_f64(free.to_array()) }
         };
@@ -270,7 +275,7 @@ impl<T: Scalar> Implicit<T> {
         if !finite {
             return Err(ClothFault::NotFinite);
         }
-        if !any_held {
+        if !any_held && guess != Guess::Downhill {
             residual.resize(solution.len(), Padded::zero());
             system.matrix.interleave();
             system.matrix.multiply(solution, residual);
@@ -331,11 +336,12 @@ impl<T: Scalar> Implicit<T> {
 
 impl<T: Scalar> Engine for Implicit<T> {
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
+        // First, as a solve changes the turns of mid-edge normals, and with them the energy.
+        let checked = self.checked(step, state);
         let (scheme, newton_steps) = self.scheme(step.dt);
         let linear = self.predict(scheme, step.dt, state);
         let solved = self.iterate(linear, newton_steps, step, state, report).map(|()| self.finish(scheme, step, state));
-        let checked = self.checked(step, state);
-        let energy = match solved.ok().and_then(|()| self.acceptable(&checked, step, state)) {
+        let energy = match solved.ok().and_then(|()| self.acceptable(&checked, step, state, report)) {
             Some(energy) => {
                 self.history.dt = Some(step.dt);
                 energy
@@ -373,6 +379,7 @@ impl<T: Scalar> Engine for Implicit<T> {
 
     fn restart(&mut self) {
         self.history.dt = None;
+        self.surplus = 0.0;
         self.energy_now = None;
     }
 

@@ -86,7 +86,7 @@ pub struct StepReport {
     pub iterations: u32,
     /// Substeps that failed the energy check and were taken again by the fallback.
     pub fallbacks: u32,
-    /// Those of them after which velocities had to be scaled down.
+    /// Substeps after which velocities were scaled down, so that no energy is gained.
     pub velocity_clamps: u32,
     /// Time spent on A and b.
     pub assembly: Duration,

@@ -44,6 +44,8 @@ pub trait Real:
 pub trait Scalar: Real + PartialOrd {
     /// Four of them side by side.
     type Quad: Quad<Self>;
+    /// From 1 to the next number.
+    const EPSILON: f64;
     /// Zero.
     #[inline(always)]
     fn zero() -> Self {
@@ -89,6 +91,7 @@ macro_rules! impl_scalar {
         }
 
         impl Scalar for $t {
+            const EPSILON: f64 = <$t>::EPSILON as f64;
             type Quad = $quad;
 
             #[inline(always)]

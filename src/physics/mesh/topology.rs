@@ -32,7 +32,8 @@ pub(super) fn clean_triangles(
         let [a, b, c] = welded.map(|v| positions[v as usize]);
         let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
         let area = 0.5 * (b - a).cross(c - a).length();
-        if area > MIN_RELATIVE_AREA * longest && seen.insert(key) {
+        // One so large that its area has no number has no frame either.
+        if area > MIN_RELATIVE_AREA * longest && area.is_finite() && seen.insert(key) {
             kept.push(CleanTriangle { source: source as u32, welded });
         } else {
             dropped.push(source as u32);

