@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn every_update_is_a_step() {
-        let mut app = app(Case::sheet(6));
+        let mut app = app(Case::sheet(6), |_| {});
         let height = |app: &mut App| {
             let world = app.world_mut();
             let state = world.query::<&ClothState>().single(world).expect("one cloth");
