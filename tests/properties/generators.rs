@@ -85,28 +85,24 @@ pub fn ordinary_fabric() -> impl Strategy<Value = Fabric> {
 
 /// Any fabric that is valid.
 pub fn any_fabric() -> impl Strategy<Value = Fabric> {
-    let stretch = (logarithmic(1e-3, 1e9), logarithmic(1e-3, 1e9), -1.0..1.0, logarithmic(1e-3, 1e9));
-    let bending = (logarithmic(1e-9, 1.0), logarithmic(1e-9, 1.0), logarithmic(1e-9, 1.0), -1.0_f32..1.0);
-    let rest = (logarithmic(1e-4, 1e2), logarithmic(1e-4, 10.0), logarithmic(1e-2, 10.0));
-    (stretch, bending, rest).prop_map(
-        |((warp, weft, coupling, shear), (d0, d90, d45, poisson), (density, damping, air_drag)): (
-            (f64, f64, f64, f64),
-            (f64, f64, f64, f32),
-            (f64, f64, f64),
-        )| Fabric {
-            density: density as f32,
-            warp_stiffness: warp as f32,
-            weft_stiffness: weft as f32,
-            coupling: (coupling * (warp * weft).sqrt()) as f32,
-            shear_stiffness: shear as f32,
-            warp_bending: d0 as f32,
-            weft_bending: d90 as f32,
-            bias_bending: d45 as f32,
-            bending_poisson: poisson,
-            damping: damping as f32,
-            air_drag: air_drag as f32,
-        },
-    )
+    prop::array::uniform11(0.0..1.0_f64).prop_map(|shares| {
+        let logarithmic = |i: usize, from: f64, to: f64| (from * (to / from).powf(shares[i])) as f32;
+        let signed = |i: usize| (2.0 * shares[i] - 1.0) as f32;
+        let (warp_stiffness, weft_stiffness) = (logarithmic(0, 1e-3, 1e9), logarithmic(1, 1e-3, 1e9));
+        Fabric {
+            density: logarithmic(2, 1e-4, 1e2),
+            warp_stiffness,
+            weft_stiffness,
+            coupling: signed(3) * warp_stiffness.sqrt() * weft_stiffness.sqrt(),
+            shear_stiffness: logarithmic(4, 1e-3, 1e9),
+            warp_bending: logarithmic(5, 1e-9, 1.0),
+            weft_bending: logarithmic(6, 1e-9, 1.0),
+            bias_bending: logarithmic(7, 1e-9, 1.0),
+            bending_poisson: signed(8),
+            damping: logarithmic(9, 1e-4, 10.0),
+            air_drag: logarithmic(10, 1e-2, 10.0),
+        }
+    })
 }
 
 pub fn any_bending() -> impl Strategy<Value = BendingModel> {

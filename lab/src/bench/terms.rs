@@ -174,7 +174,7 @@ mod tests {
     fn every_model_is_another_and_is_compared_with_one_that_is_measured() {
         let rows = measure(8, SolverSettings::default(), 4, 2, &ProgressBar::hidden());
         assert_eq!(rows.len(), Term::ALL.len());
-        assert!(rows.iter().all(|row| row.cpu_ms > 0.0 && row.iterations >= 1.0), "{rows:?}");
+        assert!(rows.iter().all(|row| row.cpu_ms > 0.0 && row.iterations > 0.0), "{rows:?}");
         assert_eq!(rows.iter().filter(|row| row.ratio.is_none()).count(), 1);
         assert_eq!(table(&rows).to_string().lines().count(), 9);
     }

@@ -128,7 +128,8 @@ impl Accountant {
         for (vertex, target) in cloth.pinned() {
             moved[vertex as usize] = target;
         }
-        if moved == cloth.positions() { 0.0 } else { self.elastic(&moved) - self.last().elastic }
+        let now = self.last().elastic.min(self.last().told);
+        if moved == cloth.positions() { 0.0 } else { self.elastic(&moved) - now }
     }
 
     /// The account after a step of `dt` (s) in which pins did so much work (J).

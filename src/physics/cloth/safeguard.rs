@@ -30,6 +30,8 @@ const HALVINGS: u32 = 24;
 const LEAST_SHARE: f64 = 1e-3;
 /// Sufficient decrease (Armijo), as a share of the slope.
 const DECREASE: f64 = 1e-4;
+/// Share of what is left of the budget that may be spent where no step lowers Φ.
+const LAST_RESORT: f64 = 0.25;
 /// Error of an elastic energy in units in the last place: below that no decrease can be told.
 const ROUNDINGS: f64 = 8.0;
 
@@ -113,10 +115,10 @@ impl<T: Scalar> Implicit<T> {
             let mut found = self.search(reached, 0.0, step, state);
             if found.is_none() && newton == 0 {
                 // The gradient of a collapsed triangle is not quite that of its energy, and may spoil the moves of all. Rather than
-                // stand still for ever the cloth may use up its budget.
+                // stand still for ever the cloth may use up some of its budget.
                 self.descend_by_diagonal(step);
                 let downhill = self.search(reached, 0.0, step, state);
-                found = downhill.or_else(|| self.search(reached, budget.gain, step, state));
+                found = downhill.or_else(|| self.search(reached, LAST_RESORT * budget.gain, step, state));
             }
             let Some(lower) = found else { break };
             core::mem::swap(&mut self.point, &mut self.candidate.positions);

@@ -192,11 +192,11 @@ mod tests {
 
     #[test]
     fn bending_passes_through_the_three_measured_directions() {
-        let fabric = Fabric { warp_bending: 4.0, bias_bending: 2.0, weft_bending: 3.0, ..Fabric::cotton() };
+        let fabric = Fabric { warp_bending: 4.0, bias_bending: 3.0, weft_bending: 2.0, ..Fabric::cotton() };
         for bending_poisson in [0.0, 0.3, -0.2] {
             let FlexuralRigidity { warp, weft, coupling, twist } =
                 Fabric { bending_poisson, ..fabric }.flexural_rigidity();
-            for (turn, expected) in [(0.0, 4.0), (1.0, 2.0), (2.0, 3.0), (3.0, 2.0), (4.0, 4.0)] {
+            for (turn, expected) in [(0.0, 4.0), (1.0, 3.0), (2.0, 2.0), (3.0, 3.0), (4.0, 4.0)] {
                 let angle = turn * FRAC_PI_4;
                 assert!((fabric.bending_along(angle) - expected).abs() < 1e-12);
                 let [xx, yy, xy] = [angle.cos().powi(2), angle.sin().powi(2), angle.cos() * angle.sin()];
