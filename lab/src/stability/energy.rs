@@ -226,7 +226,9 @@ mod tests {
         accountant.after(&cloth, 0.1, work);
         assert!(accountant.gain().abs() < 1e-9);
         // The same motion without them is a gain.
-        accountant.after(&cloth, 0.1, -work);
-        assert!(accountant.gain() > 0.5);
+        let (mut cloth, mut accountant) = scene(&sample);
+        cloth.set_state(&moved, &vec![DVec3::ZERO; moved.len()]);
+        accountant.after(&cloth, 0.1, 0.0);
+        assert!(accountant.gain() > 0.0);
     }
 }

@@ -88,9 +88,9 @@ pub fn add_step(table: &mut Table, moment: &Moment) {
 pub struct Wanted {
     place: &'static str,
     runs: usize,
-    frozen: usize,
+    pub(super) frozen: usize,
     /// Runs that ended worse than frozen, by index.
-    failed: Vec<(u64, String)>,
+    pub(super) failed: Vec<(u64, String)>,
 }
 
 impl Wanted {
