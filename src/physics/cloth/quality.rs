@@ -11,19 +11,22 @@ use crate::physics::solve::{PreconditionerKind, SolverKind};
 ///
 /// A level says nothing about the material: what a cloth stretches, weighs and damps at rest is the same at every level, and
 /// changing it in mid-motion neither builds anything anew nor disturbs the motion.
+///
+/// Costs and errors are those of `lab trade --scenes sheet --sizes 64` on one core (AMD EPYC 9004): time of a frame of 1/60 s of
+/// 4,096 vertices, and root mean square distance from the converged motion of a sheet of 1 m over half a second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quality {
-    /// A crowd in the background: solved as loosely as stays calm.
+    /// A crowd in the background: solved as loosely as stays calm. 1.9 ms, 11 mm.
     Crowd,
-    /// Beside what the game is about, or on a slow machine.
+    /// Beside what the game is about, or on a slow machine. 2.1 ms, 9.2 mm: cheaper than the next only for large cloths.
     Low,
-    /// What a cloth has if nothing is chosen.
+    /// What a cloth has if nothing is chosen. 2.1 ms, 9.3 mm.
     #[default]
     Medium,
-    /// A main character: two substeps.
+    /// A main character: two substeps. 4.2 ms, 3.4 mm.
     High,
-    /// Film, and the reference of the others: four substeps, tightly solved.
+    /// Film: four substeps, tightly solved. 8.5 ms, 1.2 mm.
     Film,
 }
 
