@@ -352,7 +352,7 @@ impl<T: Scalar> Engine for Implicit<T> {
                 // Where the step would have led must not be in the energy it started with.
                 self.settle(&state.positions);
                 let checked = self.checked(step, state);
-                self.fall_back(&checked, step, state, report)?
+                self.fall_back(checked, step, state, report)?
             }
         };
         self.energy_now = Some(energy);

@@ -83,7 +83,7 @@ impl<T: Scalar> Implicit<T> {
     /// Lowers Φ from xₙ, and returns the elastic energy of the candidate it found.
     pub fn fall_back(
         &mut self,
-        budget: &Budget,
+        mut budget: Budget,
         step: Step,
         state: &State,
         report: &mut StepReport,
@@ -112,6 +112,13 @@ impl<T: Scalar> Implicit<T> {
                 Err(fault) if newton == 0 => return Err(fault),
                 Err(_) => break,
             }
+            // A solve brings the turns of mid-edge normals closer to their minimum: that is no work of the moves.
+            let elastic = self.system.energy(&self.point).total();
+            let relaxed = reached.1 - elastic;
+            reached = (reached.0 - relaxed, elastic);
+            if newton == 0 {
+                budget.start -= relaxed;
+            }
             let mut found = self.search(reached, 0.0, step, state);
             if found.is_none() && newton == 0 {
                 // The gradient of a collapsed triangle is not quite that of its energy, and may spoil the moves of all. Rather than
@@ -133,7 +140,7 @@ impl<T: Scalar> Implicit<T> {
         for (v, (&new, &old)) in candidate.velocities.iter_mut().zip(point.iter().zip(&state.positions)) {
             *v = (new - old) / dt;
         }
-        self.slow_down(0.0, budget, elastic, step, state, report);
+        self.slow_down(0.0, &budget, elastic, step, state, report);
         Ok(elastic)
     }
 
