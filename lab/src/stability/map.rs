@@ -137,14 +137,14 @@ impl Map {
         for (dt, label) in [(0, "1 ms"), (4, "10 ms"), (8, "0.1 s"), (12, "1 s")] {
             let centre = x + CELL * dt + CELL / 2;
             area.draw(&PathElement::new([(centre, y + CELL * UP), (centre, y + CELL * UP + 4)], INK))?;
-            text(area, label, [centre, y + CELL * UP + 6], 14, HPos::Center)?;
+            text(area, label, [centre, y + CELL * UP + 8], 14, HPos::Center)?;
         }
         for (stiffness, label) in [(0, "1 mN/m"), (3, "1 N/m"), (6, "1 kN/m"), (9, "1 MN/m"), (12, "1 GN/m")] {
             let middle = y + CELL * (UP - 1 - stiffness) + CELL / 2;
             area.draw(&PathElement::new([(x - 5, middle), (x - 1, middle)], INK))?;
             text(area, label, [x - 8, middle - 8], 14, HPos::Right)?;
         }
-        text(area, "time step", [x + CELL * ACROSS / 2, y + CELL * UP + 24], 14, HPos::Center)?;
+        text(area, "time step", [x + CELL * ACROSS / 2, y + CELL * UP + 28], 14, HPos::Center)?;
         let upright = TextStyle::from(("sans-serif", 14).into_font().transform(FontTransform::Rotate270)).color(&INK);
         let upright = upright.pos(Pos::new(HPos::Center, VPos::Center));
         area.draw_text("stiffness", &upright, (x - 70, y + CELL * UP / 2))
