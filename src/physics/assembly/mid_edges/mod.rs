@@ -30,7 +30,7 @@ const SWEEPS_FROM_NOTHING: u32 = 60;
 /// The edges of a cloth, their turns and their moments.
 pub(super) struct MidEdges<T> {
     edges: Edges,
-    /// Packs by part of the cloth, and at last those without hinge.
+    /// Packs by part of the cloth; those without hinge stand at the end of the last, so that a cloth in one part stays on its thread.
     parts: Vec<Part>,
     /// By pack: the other edges of the first triangle and of the second.
     others: Vec<[[Side; ROWS]; 4]>,
@@ -63,7 +63,9 @@ impl<T: Scalar> MidEdges<T> {
         }
         let edges = Edges::new(shape, &places);
         let count = edges.count() / ROWS;
-        parts.push(packs(parts.len(), edges.hinge_count / ROWS..count));
+        if let Some(last) = parts.last_mut() {
+            last.rows.end = count;
+        }
 
         let mut edge_of = vec![0; shape.hinges.len()];
         for (edge, &hinge) in places.iter().enumerate().filter(|(_, hinge)| **hinge != FILLER) {
@@ -183,8 +185,8 @@ impl<T: Scalar> MidEdges<T> {
     }
 
     fn sweep(&mut self, sweeps: u32, angles: &impl Angles<T>) {
-        let Self { parts, rows, others, relaxation, shares, phi, next_phi, moments, .. } = self;
-        find_phi(parts, shares, phi, next_phi, angles);
+        let Self { edges, parts, rows, others, relaxation, shares, phi, next_phi, moments, .. } = self;
+        find_phi(parts, edges.hinge_count / ROWS, shares, phi, next_phi, angles);
         core::mem::swap(phi, next_phi);
         for _ in 0..sweeps {
             let packs = Packs { rows, others, phi };
@@ -210,7 +212,7 @@ impl<T: Scalar> MidEdges<T> {
 
     fn energy_in(&self, phi: &mut [Phi<T>], angles: &impl Angles<T>) -> f64 {
         let Self { parts, rows, others, .. } = self;
-        find_phi(parts, &self.shares, &self.phi, phi, angles);
+        find_phi(parts, self.edges.hinge_count / ROWS, &self.shares, &self.phi, phi, angles);
         let packs = Packs { rows, others, phi };
         for_parts(parts, (), &|part: &Part, ()| T::dispatch(EnergyOf { packs, range: part.rows.clone() }))
     }
@@ -236,20 +238,19 @@ pub(super) trait Angles<T>: Fn(usize, &[Pack<T>], &[Phi<T>], &mut [Phi<T>]) + Sy
 
 impl<T, F: Fn(usize, &[Pack<T>], &[Phi<T>], &mut [Phi<T>]) + Sync> Angles<T> for F {}
 
-/// φ for other angles and the same turns. Edges without hinge are the last part, and have no angle.
+/// φ for other angles and the same turns. Packs from `hinges` on are edges without hinge, and have no angle.
 fn find_phi<T: Scalar>(
     parts: &[Part],
+    hinges: usize,
     shares: &[Pack<T>],
     phi: &[Phi<T>],
     next: &mut [Phi<T>],
     angles: &impl Angles<T>,
 ) {
     for_parts(parts, next, &|part: &Part, next| {
-        let phi = &phi[part.rows.clone()];
-        if part.index + 1 < parts.len() {
-            angles(part.index, &shares[part.rows.clone()], phi, next);
-        } else {
-            next.copy_from_slice(phi);
-        }
+        let bent = part.rows.start..part.rows.end.min(hinges);
+        let (next, rest) = next.split_at_mut(bent.len());
+        angles(part.index, &shares[bent.clone()], &phi[bent.clone()], next);
+        rest.copy_from_slice(&phi[bent.end..part.rows.end]);
     });
 }
