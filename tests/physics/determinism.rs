@@ -1,5 +1,11 @@
 //! The same input gives the same bits.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
+use std::thread;
+use std::time::Duration;
+
 use bevy_cloth::physics::{Cloth, Fabric, SolverSettings};
 
 use crate::meshes::TestMesh;
@@ -40,4 +46,35 @@ fn every_number_of_threads_gives_the_same_bits() {
     let alone = run(1);
     assert_eq!(alone, run(2));
     assert_eq!(alone, run(5));
+}
+
+/// A cloth in one part must not wait for the thread pool: its threads may be waiting for whoever steps it, as where an App runs
+/// in the pool while its systems run elsewhere.
+#[test]
+fn a_cloth_in_one_part_stays_on_its_thread() {
+    let release = Arc::new(AtomicBool::new(false));
+    let (here, all_here) = channel();
+    let threads = rayon::current_num_threads();
+    let pool = thread::spawn({
+        let release = Arc::clone(&release);
+        move || {
+            rayon::broadcast(|_| {
+                here.send(()).unwrap();
+                while !release.load(Ordering::Acquire) {
+                    thread::yield_now();
+                }
+            });
+        }
+    });
+    (0..threads).for_each(|_| all_here.recv().unwrap());
+    let (done, is_done) = channel();
+    let cloth = thread::spawn(move || {
+        run(SolverSettings::default());
+        done.send(()).unwrap();
+    });
+    let stepped = is_done.recv_timeout(Duration::from_secs(60));
+    release.store(true, Ordering::Release);
+    cloth.join().unwrap();
+    pool.join().unwrap();
+    assert_eq!(stepped, Ok(()), "the cloth waited for a pool that had no thread free");
 }

@@ -4,7 +4,9 @@
 //! Pins move with the transform of the entity, and teleport one by one.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread;
 use std::time::Duration;
 
 use bevy::asset::RenderAssetUsages;
@@ -18,7 +20,6 @@ use bevy_cloth::plugin::{
     ClothError, ClothMaterial, ClothMesh, ClothPinTargets, ClothPins, ClothPlugin, ClothSolver, ClothState,
 };
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::sample::{PinMotion, STEPS, Sample};
@@ -40,16 +41,24 @@ pub struct PluginRun {
     pub wrong: Option<String>,
 }
 
-/// Does the first runs that are drawn at random, in order, side by side.
+/// Does the first runs that are drawn at random, in order, side by side: in threads of their own, for an app may wait for the
+/// thread pool that steps its cloth, whose threads must not be waiting for an app.
 pub fn survey(survey: &Survey, runs: u64, progress: &ProgressBar) -> Vec<PluginRun> {
-    let runs = survey.random(runs).map(|plan| {
+    let run = |plan: &Plan| {
+        let plan = plan.clone();
         let mut verdict = Verdict::default();
         let result = catch_unwind(AssertUnwindSafe(|| run(&plan, &mut verdict)));
         let wrong = result.unwrap_or_else(|panic| Err(format!("panic: {}", message(&*panic)))).err();
         progress.inc(1);
         PluginRun { plan, verdict, wrong }
-    });
-    runs.collect()
+    };
+    let plans = survey.random(runs);
+    let share = plans.len().div_ceil(thread::available_parallelism().map_or(1, NonZeroUsize::get)).max(1);
+    thread::scope(|scope| {
+        let start = |plans| scope.spawn(move || -> Vec<_> { <[Plan]>::iter(plans).map(run).collect() });
+        let threads: Vec<_> = plans.chunks(share).map(start).collect();
+        threads.into_iter().flat_map(|thread| thread.join().expect("panics are caught")).collect()
+    })
 }
 
 /// Says what is wrong first.

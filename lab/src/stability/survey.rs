@@ -111,10 +111,9 @@ impl Survey {
     }
 
     /// The first runs that are drawn at random.
-    pub fn random(&self, runs: u64) -> impl IndexedParallelIterator<Item = Plan> {
-        let survey = *self;
+    pub fn random(&self, runs: u64) -> Vec<Plan> {
         let first = self.map_len();
-        (0..runs as usize).into_par_iter().map(move |drawn| survey.plan(first + drawn as u64))
+        (first..first + runs).map(|index| self.plan(index)).collect()
     }
 
     /// Does all runs, in order, side by side.

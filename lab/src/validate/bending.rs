@@ -20,7 +20,7 @@ fn sheet(bending: f64, poisson: f64) -> Fabric {
 }
 
 /// Energy of a sheet bent to a cylinder, over what the flexural rigidity asked for gives: of mid-edge normals in every direction on
-/// every mesh; of hinges the direction that is furthest off, for comparison.
+/// every mesh; of hinges, for comparison, the direction that is furthest off, by a factor that is known too.
 pub fn rigidity() -> Vec<Row> {
     let mut rows = Vec::new();
     for pattern in [Pattern::OneDiagonal, Pattern::Alternating, Pattern::Equilateral, Pattern::Jittered(0.3)] {
@@ -29,10 +29,10 @@ pub fn rigidity() -> Vec<Row> {
             rows.push(Row::new("rigidity/asked", format!("{}, {direction}°", pattern.name()), 1.0, ratio, 5e-2));
         }
     }
-    for pattern in [Pattern::OneDiagonal, Pattern::Alternating] {
+    for (pattern, known) in [(Pattern::OneDiagonal, 3.0), (Pattern::Alternating, 1.5)] {
         let ratios = DIRECTIONS.map(|direction| cylinder(pattern, BendingModel::Hinge, direction));
         let worst = ratios.into_iter().max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs())).unwrap_or(f64::NAN);
-        rows.push(Row::new("rigidity/asked", format!("hinges, {}, worst", pattern.name()), 1.0, worst, 2.0));
+        rows.push(Row::new("rigidity/asked", format!("hinges, {}, worst", pattern.name()), known, worst, 5e-3));
     }
     rows
 }

@@ -35,9 +35,12 @@ impl Row {
         tolerance: f64,
     ) -> Self {
         let error = measured / expected - 1.0;
-        let parameters = parameters.into();
-        let pass = error.abs() <= tolerance;
-        Self { case, parameters, expected, measured, error, tolerance, relative: true, pass }
+        Self {
+            error,
+            pass: error.abs() <= tolerance,
+            relative: true,
+            ..Self::absolute(case, parameters, expected, measured, tolerance)
+        }
     }
 
     /// Compares absolutely.

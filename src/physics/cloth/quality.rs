@@ -19,7 +19,7 @@ use crate::physics::solve::{PreconditionerKind, SolverKind};
 pub enum Quality {
     /// A crowd in the background: solved as loosely as stays calm. 1.9 ms, 11 mm.
     Crowd,
-    /// Beside what the game is about, or on a slow machine. 2.1 ms, 9.2 mm: cheaper than the next only for large cloths.
+    /// Beside what the game is about, or on a slow machine. 2.1 ms, 9.2 mm.
     Low,
     /// What a cloth has if nothing is chosen. 2.1 ms, 9.3 mm.
     #[default]
@@ -56,17 +56,6 @@ impl Quality {
             precision: Precision::Single,
             substeps,
             newton_steps,
-        }
-    }
-
-    /// The next level below, if there is one.
-    pub const fn lower(self) -> Option<Self> {
-        match self {
-            Self::Crowd => None,
-            Self::Low => Some(Self::Crowd),
-            Self::Medium => Some(Self::Low),
-            Self::High => Some(Self::Medium),
-            Self::Film => Some(Self::High),
         }
     }
 
@@ -109,7 +98,6 @@ mod tests {
         for (i, level) in Quality::ALL.into_iter().enumerate() {
             assert_eq!(level.settings().validate(), Ok(()));
             assert!(!Quality::ALL[..i].iter().any(|other| other.settings() == level.settings()), "{level}");
-            assert_eq!(level.lower(), i.checked_sub(1).map(|lower| Quality::ALL[lower]));
             assert!(Quality::ALL[..i].iter().all(|&lower| lower < level));
             assert_eq!(Quality::by_name(&level.name().to_uppercase()), Some(level));
         }
