@@ -4,7 +4,7 @@ use bevy::math::{DAffine3, DVec3};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use super::budget::Keeper;
+use super::budget::{Keeper, following};
 use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
 use super::error::ClothError;
 use super::material::ClothMaterial;
@@ -39,6 +39,7 @@ pub(super) fn collect(
     for (entity, mut state, cloth_mesh, material, solver, quality, pins, targets, disabled, propagated) in &mut cloths {
         let state = &mut *state;
         state.collect_solver(solver, *quality.unwrap_or(&default_quality.0));
+        state.collect_pace(keeper.tick, entity.index_u32());
         state.collect_material(material, gravity.as_dvec3());
         state.collect_pin_rules(pins, &meshes);
         if disabled {
@@ -52,6 +53,7 @@ pub(super) fn collect(
             state.place_pins(targets);
         }
     }
+    keeper.tick = keeper.tick.wrapping_add(1);
     keeper.spent.collect += start.elapsed();
 }
 
@@ -66,6 +68,14 @@ impl ClothState {
             if self.faults.solver.is_none() {
                 self.cloth.set_settings(settings);
             }
+        }
+    }
+
+    /// Levels that take fewer steps than there are ticks take turns. With a budget, that says when.
+    fn collect_pace(&mut self, tick: u32, number: u32) {
+        if self.share.rung.is_none() && self.pace.is_due() {
+            let interval = self.quality.map_or(1, ClothQuality::interval);
+            self.pace.following = following(tick, interval, number % interval, self.pace.span);
         }
     }
 

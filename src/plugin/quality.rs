@@ -13,9 +13,9 @@ use crate::physics::{Quality, SolverSettings};
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub enum ClothQuality {
-    /// [`Quality::Crowd`]: a crowd in the background.
+    /// [`Quality::Crowd`]: a crowd in the background, stepped in every fourth tick.
     Crowd,
-    /// [`Quality::Low`]: beside what the game is about, or on a slow machine.
+    /// [`Quality::Low`]: beside what the game is about, or on a slow machine: stepped in every second tick.
     Low,
     /// [`Quality::Medium`]: what a cloth has if nothing is chosen.
     #[default]
@@ -30,6 +30,11 @@ impl ClothQuality {
     /// What the level stands for.
     pub const fn settings(self) -> SolverSettings {
         self.level().settings()
+    }
+
+    /// Ticks from step to step: see [`Quality::interval`].
+    pub const fn interval(self) -> u32 {
+        self.level().interval()
     }
 
     const fn level(self) -> Quality {

@@ -115,10 +115,11 @@ impl ClothState {
         self.quality
     }
 
-    /// Runs of the schedule of [`ClothPlugin`](super::ClothPlugin) from step to step: 1, unless a
-    /// [`ClothBudget`](super::ClothBudget) made it 2, 4 or 8.
+    /// Runs of the schedule of [`ClothPlugin`](super::ClothPlugin) from step to step: 1, unless the
+    /// [`quality`](Self::quality) or a [`ClothBudget`](super::ClothBudget) makes it 2, 4 or 8.
     pub fn update_interval(&self) -> u32 {
-        self.share.rung.map_or(1, Rung::interval)
+        let of_quality = || self.quality.map_or(1, ClothQuality::interval);
+        self.share.rung.map_or_else(of_quality, Rung::interval)
     }
 
     /// The report of the step in the last tick, if there was one in it.

@@ -60,6 +60,31 @@ fn impossible_settings_taken_away_are_forgiven() {
 }
 
 #[test]
+fn the_lowest_levels_take_their_steps_in_turns() {
+    let mut app = app();
+    let spawn_at = |app: &mut App, quality| spawn(app, sheet(), (top_edge(), quality));
+    let crowd: Vec<_> = (0..8).map(|_| spawn_at(&mut app, ClothQuality::Crowd)).collect();
+    let low = spawn_at(&mut app, ClothQuality::Low);
+    run(&mut app, 8);
+    assert_eq!([crowd[0], low].map(|cloth| state(&app, cloth).update_interval()), [4, 2]);
+    let positions = |app: &App, cloth: Entity| state(app, cloth).cloth().positions().to_vec();
+    for _ in 0..8 {
+        let all = |app: &App| crowd.iter().map(|&cloth| positions(app, cloth)).collect::<Vec<_>>();
+        let before = all(&app);
+        app.update();
+        let stepped = all(&app).iter().zip(&before).filter(|(now, before)| now != before).count();
+        assert_eq!(stepped, 2, "of eight that take a step in four ticks");
+    }
+    app.world_mut().entity_mut(low).insert(ClothQuality::Medium);
+    run(&mut app, 2);
+    for _ in 0..4 {
+        let before = positions(&app, low);
+        app.update();
+        assert_ne!(positions(&app, low), before);
+    }
+}
+
+#[test]
 fn changing_the_level_in_every_frame_moves_nothing_out_of_its_way() {
     let mut app = app();
     let steady = spawn(&mut app, sheet(), ClothPins::indices([0]));

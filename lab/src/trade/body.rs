@@ -5,6 +5,7 @@ use bevy_cloth::physics::{Cloth, Fabric, Precision, SolverSettings};
 
 use super::method::Kind;
 use super::scene::Stage;
+use super::spaced::Spaced;
 use super::xpbd::Xpbd;
 use crate::scenes::DT;
 
@@ -12,6 +13,10 @@ use crate::scenes::DT;
 pub trait Body {
     /// Holds a vertex: it goes to `target` (m) in a straight line by the end of the next frame.
     fn hold(&mut self, vertex: u32, target: DVec3);
+    /// So many frames further held vertices are to be at the end of the next step, if there is one in the next frame.
+    fn frames_ahead(&self) -> Option<u32> {
+        Some(1)
+    }
     /// Advances by a frame.
     fn frame(&mut self);
     /// Puts it elsewhere, at rest.
@@ -70,14 +75,17 @@ impl Body for Xpbd<f32> {
 pub fn body(stage: &Stage, fabric: Fabric, kind: Kind) -> Box<dyn Body> {
     match kind {
         Kind::Implicit(settings) => Box::new(stage.cloth(fabric, settings)),
+        Kind::Spaced(settings, interval) => Box::new(Spaced::new(stage.cloth(fabric, settings), interval)),
         Kind::Xpbd(settings) => Box::new(Xpbd::<f32>::new(&stage.shape, &fabric, &stage.held, DT, settings)),
     }
 }
 
 /// Moves the held vertices to where they are at the end of a frame (counted from 0), and advances.
 pub fn advance(body: &mut dyn Body, stage: &Stage, frame: u32) {
-    for (vertex, target) in stage.targets(f64::from(frame + 1) * DT) {
-        body.hold(vertex, target);
+    if let Some(ahead) = body.frames_ahead() {
+        for (vertex, target) in stage.targets(f64::from(frame + ahead) * DT) {
+            body.hold(vertex, target);
+        }
     }
     body.frame();
 }

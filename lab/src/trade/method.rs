@@ -14,6 +14,8 @@ pub enum Family {
     Level,
     /// BDF2 in so many substeps.
     Bdf2,
+    /// BDF2 with a step in one of so many frames.
+    Spaced,
     /// Backward Euler in so many substeps.
     Euler,
     /// BDF2 solved to so much of its first residual.
@@ -52,8 +54,25 @@ pub struct Method {
 pub enum Kind {
     /// By our implicit steps.
     Implicit(SolverSettings),
+    /// The same, with a step in one of so many frames.
+    Spaced(SolverSettings, u32),
     /// By the baseline.
     Xpbd(xpbd::Settings),
+}
+
+impl Kind {
+    /// As the plugin steps this level in ticks of 1/60 s.
+    fn of(quality: Quality) -> Self {
+        match quality.interval() {
+            1 => Self::Implicit(quality.settings()),
+            interval => Self::Spaced(quality.settings(), interval),
+        }
+    }
+
+    /// Frames from step to step.
+    pub const fn interval(self) -> u32 {
+        if let Self::Spaced(_, interval) = self { interval } else { 1 }
+    }
 }
 
 impl Family {
@@ -62,6 +81,7 @@ impl Family {
         match self {
             Self::Level => "our quality levels",
             Self::Bdf2 => "BDF2, 1…8 substeps",
+            Self::Spaced => "BDF2, a step in 1…4 frames",
             Self::Euler => "backward Euler, 1…8 substeps",
             Self::Tolerance => "BDF2, tolerance 0.1…0.001",
             Self::Newton => "BDF2, 1…3 Newton iterations",
@@ -89,8 +109,16 @@ impl Family {
         };
         let default = SolverSettings::default();
         match self {
-            Self::Level => levels().into_iter().map(|(name, settings)| implicit(0, name, settings)).collect(),
+            Self::Level => Quality::ALL.map(|quality| method(0, quality.to_string(), Kind::of(quality))).into(),
             Self::Bdf2 => substeps(&[1, 2, 4, 8], default),
+            Self::Spaced => {
+                let grid = [2, 4].into_iter().flat_map(|interval| [0.1, 0.03].map(|tolerance| (interval, tolerance)));
+                grid.map(|(interval, tolerance)| {
+                    let settings = SolverSettings { kind: solved_to(tolerance), ..default };
+                    method(interval, format!("{tolerance}, 1 of {interval} frames"), Kind::Spaced(settings, interval))
+                })
+                .collect()
+            }
             Self::Euler => substeps(&[1, 2, 4, 8], SolverSettings { integrator: Integrator::BackwardEuler, ..default }),
             Self::Tolerance => {
                 let steps = [1, 2, 4, 8].into_iter().enumerate();
@@ -132,11 +160,6 @@ impl Family {
 /// Substeps of the baseline.
 const SUBSTEPS: [u32; 7] = [5, 10, 20, 40, 80, 160, 320];
 
-/// The quality levels of the product.
-fn levels() -> Vec<(String, SolverSettings)> {
-    Quality::ALL.map(|quality| (quality.to_string(), quality.settings())).into()
-}
-
 fn baseline(family: Family, substeps: &[u32], settings: impl Fn(u32) -> xpbd::Settings) -> Vec<Method> {
     let kind = |n| Kind::Xpbd(settings(n));
     substeps.iter().map(|&n| Method { family, line: 0, name: format!("{n} substeps"), kind: kind(n) }).collect()
@@ -163,7 +186,7 @@ mod tests {
             for (i, method) in methods.iter().enumerate() {
                 assert!(methods[..i].iter().all(|other| other.name != method.name), "{}", method.name);
                 match method.kind {
-                    Kind::Implicit(settings) => assert_eq!(settings.validate(), Ok(())),
+                    Kind::Implicit(settings) | Kind::Spaced(settings, _) => assert_eq!(settings.validate(), Ok(())),
                     Kind::Xpbd(settings) => assert!(settings.substeps >= 5),
                 }
             }

@@ -15,6 +15,7 @@ mod plot;
 mod reference;
 mod row;
 mod scene;
+mod spaced;
 mod verdict;
 pub mod xpbd;
 

@@ -50,6 +50,7 @@ fn colour(family: Family) -> RGBColor {
     match family {
         Family::Level => RGBColor(0, 0, 0),
         Family::Bdf2 => RGBColor(31, 119, 180),
+        Family::Spaced => RGBColor(90, 140, 230),
         Family::Euler => RGBColor(148, 103, 189),
         Family::Tolerance => RGBColor(44, 160, 120),
         Family::Newton => RGBColor(120, 160, 60),

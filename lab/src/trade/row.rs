@@ -56,8 +56,10 @@ pub fn measure(stage: &Stage, method: &Method, reference: &Reference, repeat: u3
         }
     }
     progress.inc(1);
-    // The first frame finds room for what the others need.
-    let ms = 1e3 * times[1..].iter().sum::<Duration>().as_secs_f64() / f64::from(FRAMES - 1);
+    // The first step finds room for what the others need.
+    let interval = method.kind.interval() as usize;
+    let count = (times.len() / interval - 1) * interval;
+    let ms = 1e3 * times[interval..][..count].iter().sum::<Duration>().as_secs_f64() / count as f64;
     let row = Row {
         scene: stage.scene,
         side: stage.side,

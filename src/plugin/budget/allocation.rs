@@ -159,7 +159,7 @@ mod tests {
 
     /// Costs as a step of the default takes, s.
     fn request(default: f64, importance: f64) -> Request {
-        let costs = [4.5, 2.0, 1.0, 0.9, 0.8, 0.45, 0.25, 0.14].map(|work| work * default);
+        let costs = [4.1, 2.0, 1.0, 0.48, 0.25, 0.14].map(|work| work * default);
         Request { costs, importance, top: Rung(2), rung: Rung(2), last_resort: false }
     }
 
@@ -242,8 +242,8 @@ mod tests {
             ..request(1e-4, importance)
         };
         cloths.extend([own(1e-3), own(0.0)]);
-        let least: f64 = cloths[..100].iter().map(|cloth| cloth.costs[7]).sum();
-        allocate(&mut cloths, least / 0.95 + 2.0 * 1e-4, true);
+        let least: f64 = cloths[..100].iter().map(|cloth| cloth.costs[RUNGS - 1]).sum();
+        allocate(&mut cloths, (least + 2.1e-4) / LOWER_TO, true);
         assert_eq!([cloths[100].rung, cloths[101].rung], [Rung::EVERY_TICK; 2]);
         allocate(&mut cloths, 0.0, true);
         assert!(cloths.iter().all(|cloth| cloth.rung == Rung::LOWEST));

@@ -1,6 +1,6 @@
 //! A limit to the time that all cloths together may take: who gives way, by how much, and when it is given back.
 //!
-//! Each cloth stands on a [`rung`] of one ladder: levels of quality, then longer steps at the lowest of them. In each tick the
+//! Each cloth stands on a [`rung`] of one ladder: levels of quality, then steps longer than those of the lowest. In each tick the
 //! [`cost`] of every cloth is predicted from what its steps have cost; when they do not fit, or every few ticks, the
 //! [`allocation`] moves cloths up or down by [`importance`], and [`stagger`] spreads those that are not stepped in every tick.
 //! [`systems`] are the hands of it. Without a [`ClothBudget`] none of them runs.
@@ -17,6 +17,7 @@ use bevy::prelude::*;
 use self::cost::Cost;
 pub use self::importance::ClothImportance;
 pub(super) use self::rung::Rung;
+pub(super) use self::stagger::following;
 pub(super) use self::systems::{Keeper, close_frame, is_left_over, observe, plan, release};
 
 /// Optional: the time that all cloths together may take in a frame. While it is there, the plugin lowers the quality of cloths
@@ -25,9 +26,9 @@ pub(super) use self::systems::{Keeper, close_frame, is_left_over, observe, plan,
 /// - What counts is the time in which cloths are collected, stepped (side by side, as far as there are threads) and written to
 ///   their meshes. What a step of each cloth will cost is predicted from what its steps have cost so far; the first frame after
 ///   many cloths have appeared may take longer, and so may a frame in which other programs are busy.
-/// - What is taken away: levels of [`ClothQuality`](super::ClothQuality), one by one, to the lowest; then steps, of which a
-///   cloth takes one in every second, fourth or eighth tick, as much longer. Cloths take turns, so that ticks are alike; motion
-///   is shown between steps, which makes it later by so many ticks; pins stay where their entity is.
+/// - What is taken away: levels of [`ClothQuality`](super::ClothQuality), one by one, to the lowest, which takes a step in every
+///   fourth tick, as much longer; then every second of these. Cloths take turns, so that ticks are alike; motion is shown between
+///   steps, which makes it later by so many ticks; pins stay where their entity is.
 /// - From whom: the least important first, by [`ClothImportance`] × size on the largest of the active cameras' screens × 0.1
 ///   if no camera saw it in the last frame, 0.01 if it is hidden. A rung further down counts twice as much as the one above.
 /// - Quality is never raised beyond what was asked for. A cloth with a [`ClothSolver`](super::ClothSolver) keeps its settings;

@@ -77,7 +77,7 @@ pub(super) fn stagger(turns: &mut [Turn]) {
 
 /// Ticks from the step of tick `now`, which came `span` after the one before, to the next: that of the turn, but no sooner than
 /// after half of `span`, as what moved in `span` ticks is shown in that time.
-pub(super) fn following(now: u32, interval: u32, phase: u32, span: u32) -> u32 {
+pub(in crate::plugin) fn following(now: u32, interval: u32, phase: u32, span: u32) -> u32 {
     let wait = (phase + interval - now % interval) % interval;
     let least = span.div_ceil(2).max(1);
     wait + least.saturating_sub(wait).div_ceil(interval) * interval

@@ -57,7 +57,7 @@ pub(in crate::plugin) struct Keeper {
     pub spent: Spent,
     model: CostModel,
     /// Number of the present tick.
-    tick: u32,
+    pub tick: u32,
     /// Rounds since something was last taken away.
     calm: u32,
     /// There is something to [`release`].
@@ -124,7 +124,6 @@ pub(in crate::plugin) fn plan(
     if !core::mem::replace(&mut keeper.active, true) {
         keeper.spent = Spent::default();
     }
-    keeper.tick = keeper.tick.wrapping_add(1);
     let (mut states, mut requests) = (Vec::new(), Vec::new());
     let mut new = false;
     for (state, own_settings, quality, weight, transform, aabb, in_view, inherited) in &mut cloths {
@@ -227,10 +226,9 @@ pub(in crate::plugin) fn release(
     mut report: ResMut<ClothBudgetReport>,
     mut cloths: Query<&mut ClothState>,
 ) {
-    *keeper = Keeper::default();
+    *keeper = Keeper { tick: keeper.tick, ..default() };
     *report = ClothBudgetReport::default();
     for mut state in &mut cloths {
         state.share = Share::default();
-        state.pace.following = 1;
     }
 }
