@@ -10,23 +10,23 @@ use crate::physics::solve::{PreconditionerKind, SolverKind};
 /// How accurately a cloth is solved, the lower levels first.
 ///
 /// A level says nothing about the material: what a cloth stretches, weighs and damps at rest is the same at every level, and
-/// changing it in mid-motion neither builds anything anew nor disturbs the motion.
+/// changing it in mid-motion builds nothing anew, and no motion is lost.
 ///
 /// Costs and errors are those of `lab trade --scenes sheet --sizes 64` on one core (AMD EPYC 9004): time of a frame of 1/60 s of
 /// 4,096 vertices, and root mean square distance from the converged motion of a sheet of 1 m over half a second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quality {
-    /// A crowd in the background: a step in every fourth tick. 0.49 ms, 88 mm.
+    /// A crowd in the background: a step in every fourth tick. 0.48 ms, 88 mm.
     Crowd,
-    /// Beside what the game is about, or on a slow machine: a step in every second tick. 0.96 ms, 29 mm.
+    /// Beside what the game is about, or on a slow machine: a step in every second tick. 0.95 ms, 29 mm.
     Low,
     /// What a cloth has if nothing is chosen: a step a tick. 2.1 ms, 9.3 mm.
     #[default]
     Medium,
     /// A main character: two substeps. 4.0 ms, 3.4 mm.
     High,
-    /// Film: four substeps, tightly solved. 8.4 ms, 1.2 mm.
+    /// Film: four substeps, tightly solved. 8.3 ms, 1.2 mm.
     Film,
 }
 
