@@ -42,6 +42,9 @@
 pub mod physics;
 pub mod plugin;
 
+/// Shapes of colliders.
+pub use parry3d;
+
 /// What a game needs.
 pub mod prelude {
     pub use crate::physics::{

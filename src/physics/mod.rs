@@ -4,6 +4,7 @@
 
 pub mod assembly;
 pub mod cloth;
+pub mod contact;
 pub mod energy;
 pub mod material;
 pub mod math;
@@ -14,6 +15,7 @@ pub use cloth::{
     Cloth, ClothFault, Energy, Integrator, Precision, Quality, SettingsError, SolverSettings, StepOutcome, StepReport,
     Stretch,
 };
+pub use contact::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub use material::{Fabric, MaterialError};
 pub use mesh::{BendingModel, MeshError, RestShape, RestShapeOptions, SurfaceMesh};
 pub use solve::{PreconditionerKind, SolverKind};

@@ -26,6 +26,7 @@ pub use settings::{Precision, SettingsError, SolverSettings};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;
+use crate::physics::contact::{Collider, Contact, ContactSettings};
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
 use crate::physics::solve::SolveError;
@@ -71,6 +72,8 @@ pub struct Cloth {
     mass: f64,
     state: State,
     pins: Pins,
+    colliders: Vec<Collider>,
+    contact_settings: ContactSettings,
     /// The state in the order of the shape.
     shown: State,
     masses: Vec<f64>,
@@ -88,6 +91,10 @@ pub struct StepReport {
     pub fallbacks: u32,
     /// Substeps after which velocities were scaled down, so that no energy is gained.
     pub velocity_clamps: u32,
+    /// Vertices that ended inside a collider and were moved out of it.
+    pub rescues: u32,
+    /// Time spent on finding contacts.
+    pub contact: Duration,
     /// Time spent on A and b.
     pub assembly: Duration,
     /// Time spent on preparing the solver: the preconditioner, or the factorisation.
@@ -152,6 +159,8 @@ impl Cloth {
             mass: masses.iter().sum(),
             state,
             pins: Pins::new(count),
+            colliders: Vec::new(),
+            contact_settings: ContactSettings::default(),
             ordering,
             shown,
             masses,
@@ -289,6 +298,33 @@ impl Cloth {
         vertices.filter_map(|vertex| self.pin_target(vertex).map(|target| (vertex, target)))
     }
 
+    /// Sets all colliders that the cloth may touch in the next step, each with its way through it. In the steps after that they stand
+    /// still where they ended, until they are set again. Those without finite poses are left out.
+    pub fn set_colliders(&mut self, colliders: impl IntoIterator<Item = Collider>) {
+        self.colliders.clear();
+        self.colliders.extend(colliders.into_iter().filter(|c| c.start.is_finite() && c.end.is_finite()));
+    }
+
+    /// The colliders, as they will be in the next step.
+    pub fn colliders(&self) -> &[Collider] {
+        &self.colliders
+    }
+
+    /// How the cloth meets colliders.
+    pub fn contact_settings(&self) -> ContactSettings {
+        self.contact_settings
+    }
+
+    /// Changes how the cloth meets colliders. `settings` should pass [`ContactSettings::validate`].
+    pub fn set_contact_settings(&mut self, settings: ContactSettings) {
+        self.contact_settings = settings;
+    }
+
+    /// Where the cloth touched colliders in the last step.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
+        core::iter::empty()
+    }
+
     /// Advances by `dt` seconds; 0 does nothing.
     ///
     /// Never panics: a step that cannot be taken leaves the cloth where it is, at rest, and says so in the report.
@@ -299,6 +335,8 @@ impl Cloth {
             iterations: 0,
             fallbacks: 0,
             velocity_clamps: 0,
+            rescues: 0,
+            contact: Duration::ZERO,
             assembly: Duration::ZERO,
             preconditioner: Duration::ZERO,
             solve: Duration::ZERO,

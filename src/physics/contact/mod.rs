@@ -1,0 +1,8 @@
+//! Contact with the world: which vertices touch which colliders, and the forces of that in the implicit step.
+//!
+//! [`Collider`] (a shape that moves from one pose to another) → where a vertex meets it (`surface`, `meeting`) → a `Touch` with
+//! its law of force (`touch`) → one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each (`layer`).
+
+mod collider;
+
+pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
