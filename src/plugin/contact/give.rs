@@ -23,12 +23,12 @@ pub(in crate::plugin) struct Surroundings {
 }
 
 impl Surroundings {
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.reaches.clear();
         self.colliders.clear();
     }
 
-    pub fn add(&mut self, entity: Entity, layers: ClothLayers, reach: Bounds) {
+    pub(super) fn add(&mut self, entity: Entity, layers: ClothLayers, reach: Bounds) {
         self.reaches.push(reach);
         self.colliders.push((entity, layers));
     }

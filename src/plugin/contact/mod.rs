@@ -9,11 +9,13 @@ mod bounds;
 mod collider;
 mod error;
 mod give;
+mod hull;
 mod layers;
 mod mesh;
 mod scale;
 mod settings;
 mod shapes;
+mod surface;
 mod touches;
 mod track;
 

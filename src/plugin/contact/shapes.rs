@@ -1,13 +1,14 @@
 //! The forms that a collider can have.
 
-use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use parry3d::math::{Pose, Vec3 as Point};
-use parry3d::shape::{SharedShape, TriMeshFlags};
+use parry3d::math::Pose;
+use parry3d::shape::SharedShape;
 use parry3d::utils::Array2;
 
 use super::collider::ClothCollider;
 use super::error::ClothShapeError;
+use super::hull::hull;
+use super::surface::surface;
 use crate::plugin::mesh_io::SourceMesh;
 
 /// Constructors; all sizes in metres, centred at the origin of the entity unless they say otherwise.
@@ -61,7 +62,7 @@ impl ClothCollider {
     /// # Errors
     /// If there are no triangles, one names a vertex that does not exist, or a vertex is not finite.
     pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ClothShapeError> {
-        Ok(surface(vertices, triangles)?.into())
+        Ok(surface(&vertices, &triangles)?.into())
     }
 
     /// [`trimesh`](Self::trimesh) of a Bevy mesh, as it is now.
@@ -162,80 +163,9 @@ impl From<InfinitePlane3d> for ClothCollider {
     }
 }
 
-/// Vertices that are numbers.
-fn finite(points: &[Point]) -> Result<(), ClothShapeError> {
-    match points.iter().position(|point| !point.is_finite()) {
-        Some(index) => Err(ClothShapeError::NotFinite(index)),
-        None => Ok(()),
-    }
-}
-
-/// The convex hull of points.
-pub(super) fn hull(points: &[Point]) -> Result<SharedShape, ClothShapeError> {
-    finite(points)?;
-    // The search for a hull goes wrong where points are equal, and in tiny or huge numbers.
-    let mut distinct = points.to_vec();
-    distinct.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
-    distinct.dedup();
-    let (vertices, triangles) =
-        parry3d::transformation::try_convex_hull(&distinct).map_err(|_| ClothShapeError::NoHull)?;
-    SharedShape::convex_mesh(vertices, &triangles).ok_or(ClothShapeError::NoHull)
-}
-
-/// A mesh of triangles, solid if it is closed.
-pub(super) fn surface(vertices: Vec<Point>, triangles: Vec<[u32; 3]>) -> Result<SharedShape, ClothShapeError> {
-    finite(&vertices)?;
-    let count = vertices.len();
-    for (triangle, corners) in triangles.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
-            return Err(ClothShapeError::IndexOutOfRange { triangle, vertex, count });
-        }
-    }
-    let flags = if is_closed(&vertices, &triangles) { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
-    SharedShape::trimesh_with_flags(vertices, triangles, flags).map_err(|_| ClothShapeError::Empty("triangles".into()))
-}
-
-/// Whether each edge is passed once in either direction, vertices at the same place being one.
-fn is_closed(vertices: &[Point], triangles: &[[u32; 3]]) -> bool {
-    let mut places = HashMap::new();
-    // Adding zero makes one of both zeros.
-    let place = |vertex: &Point| (*vertex + Point::ZERO).to_array().map(f32::to_bits);
-    let welded: Vec<usize> = vertices
-        .iter()
-        .map(|vertex| {
-            let next = places.len();
-            *places.entry(place(vertex)).or_insert(next)
-        })
-        .collect();
-    let mut turns: HashMap<(usize, usize), i32> = HashMap::new();
-    for triangle in triangles {
-        let corners = triangle.map(|vertex| welded[vertex as usize]);
-        for (a, b) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
-            if a != b {
-                *turns.entry((a.min(b), a.max(b))).or_default() += if a < b { 1 } else { -1 };
-            }
-        }
-    }
-    turns.values().all(|&turns| turns == 0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_closed_mesh_is_solid_and_an_open_one_is_not() {
-        let inside = |collider: &ClothCollider| {
-            let shape = collider.shape();
-            shape.project_local_point(Vec3::new(0.1, 0.05, 0.0), false).is_inside
-        };
-        let ball = ClothCollider::from_mesh(&Sphere::new(0.5).mesh().uv(24, 12)).unwrap();
-        assert!(inside(&ball), "with seams");
-        let open = ClothCollider::from_mesh(&Plane3d::default().mesh().size(2.0, 2.0).build()).unwrap();
-        assert!(!inside(&open));
-        let below = open.shape().project_local_point(Vec3::new(0.3, -0.2, 0.1), false);
-        assert!(!below.is_inside, "either side of it is outside");
-    }
 
     #[test]
     fn heights_are_where_they_are_said_to_be() {

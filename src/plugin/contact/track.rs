@@ -84,12 +84,12 @@ impl Track {
     }
 
     /// Where it was so many ticks ago, or in the first tick that it is known in.
-    pub fn pose_before(&self, ticks: u32) -> Option<Pose> {
+    pub(super) fn pose_before(&self, ticks: u32) -> Option<Pose> {
         Some(self.moments.get(ticks as usize).or(self.moments.back())?.pose)
     }
 
     /// Around the shape on its way through so many ticks.
-    pub fn bounds_since(&self, ticks: u32) -> Option<Bounds> {
+    pub(super) fn bounds_since(&self, ticks: u32) -> Option<Bounds> {
         let (_, end) = self.present()?;
         Some(self.sized.as_ref()?.bounds.swept(&self.pose_before(ticks)?, &end))
     }
