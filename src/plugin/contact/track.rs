@@ -45,20 +45,22 @@ struct Moment {
     bounds: Bounds,
 }
 
+type Followed<'a> = (
+    NameOrEntity,
+    Ref<'a, ClothCollider>,
+    &'a mut Track,
+    Option<&'a ClothLayers>,
+    Option<&'a ClothColliderError>,
+    &'a GlobalTransform,
+);
+
 /// Follows every collider, and notes which may be near a cloth.
 pub(in crate::plugin) fn track(
     mut commands: Commands,
     transforms: TransformHelper,
     mut surroundings: ResMut<Surroundings>,
     mut keeper: ResMut<Keeper>,
-    mut colliders: Query<(
-        NameOrEntity,
-        Ref<ClothCollider>,
-        &mut Track,
-        Option<&ClothLayers>,
-        Option<&ClothColliderError>,
-        &GlobalTransform,
-    )>,
+    mut colliders: Query<Followed>,
 ) {
     let start = Instant::now();
     surroundings.clear();
