@@ -4,5 +4,7 @@
 //! its law of force (`touch`) → one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each (`layer`).
 
 mod collider;
+mod meeting;
+mod surface;
 
 pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
