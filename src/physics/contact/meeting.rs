@@ -14,8 +14,7 @@ const SAME_SIDE: f64 = 0.5;
 
 /// A collider in one substep.
 pub(super) struct Body<'a> {
-    pub collider: &'a Collider,
-    pub surface: Surface<'a>,
+    surface: Surface<'a>,
     start: Frame,
     end: Frame,
 }
@@ -47,6 +46,8 @@ pub(super) struct Meeting {
     pub normal: DVec3,
     /// The point x stays where `normal·x ≥ offset`, m.
     pub offset: f64,
+    /// Where normal·x is on the surface, m.
+    pub surface: f64,
     /// Where the point would be if it stuck to the collider, m.
     pub carried: DVec3,
 }
@@ -55,7 +56,7 @@ impl<'a> Body<'a> {
     /// For the part of the step between these shares of it.
     pub fn new(collider: &'a Collider, from: f64, to: f64) -> Self {
         let pose = |share| Frame::new(&collider.start.towards(&collider.end, share));
-        Self { collider, surface: Surface::new(&collider.shape), start: pose(from), end: pose(to) }
+        Self { surface: Surface::new(&collider.shape), start: pose(from), end: pose(to) }
     }
 
     /// Turns a vector from the frame of the collider at the start into the world at the end.
@@ -87,7 +88,8 @@ impl<'a> Body<'a> {
         }
         let before = self.surface.nearest(from);
         let outside = before.distance > 0.0;
-        if outside && (nearest.distance <= 0.0 || way >= nearest.distance + before.distance)
+        if outside
+            && (nearest.distance <= 0.0 || way >= nearest.distance + before.distance)
             && let Some((share, normal)) = self.surface.first_hit(from, to)
             && !(nearest.normal.dot(normal) > SAME_SIDE && nearest.distance <= 0.0)
         {
@@ -104,11 +106,8 @@ impl<'a> Body<'a> {
             thickness
         };
         let normal = self.end.rotation * nearest.normal;
-        Ok(Meeting {
-            normal,
-            offset: normal.dot(y) - nearest.distance + gap,
-            carried: self.end.place(from),
-        })
+        let surface = normal.dot(y) - nearest.distance;
+        Ok(Meeting { normal, offset: surface + gap, surface, carried: self.end.place(from) })
     }
 }
 
@@ -151,7 +150,8 @@ mod tests {
     #[test]
     fn a_turning_collider_carries_what_sticks_to_it() {
         let turned = Pose { rotation: DQuat::from_rotation_y(0.2), ..Pose::IDENTITY };
-        let disc = Collider { end: turned, ..Collider::fixed(0, SharedShape::cylinder(0.01, 1.0), Pose::IDENTITY, 0.5) };
+        let disc =
+            Collider { end: turned, ..Collider::fixed(0, SharedShape::cylinder(0.01, 1.0), Pose::IDENTITY, 0.5) };
         let x = DVec3::new(0.5, 0.012, 0.0);
         let meeting = Body::new(&disc, 0.0, 1.0).meet(x, x, 0.003, 0.006, 0.016).unwrap();
         assert!(meeting.carried.distance(turned.rotation * x) < 1e-12 && meeting.normal.y > 0.999);

@@ -15,10 +15,20 @@ pub(super) struct Nearest {
 
 /// A shape, and how its distances are found.
 pub(super) enum Surface<'a> {
-    Ball { radius: f64 },
-    Capsule { a: DVec3, b: DVec3, radius: f64 },
-    HalfSpace { normal: DVec3 },
-    Cuboid { half: DVec3 },
+    Ball {
+        radius: f64,
+    },
+    Capsule {
+        a: DVec3,
+        b: DVec3,
+        radius: f64,
+    },
+    HalfSpace {
+        normal: DVec3,
+    },
+    Cuboid {
+        half: DVec3,
+    },
     Solid(&'a dyn Shape),
     /// Has no inside: both sides keep cloth out.
     Shell(&'a dyn Shape),
@@ -36,10 +46,9 @@ impl<'a> Surface<'a> {
             TypedShape::HalfSpace(half_space) => Self::HalfSpace { normal: half_space.normal.as_dvec3() },
             TypedShape::Cuboid(cuboid) => Self::Cuboid { half: cuboid.half_extents.as_dvec3() },
             TypedShape::TriMesh(mesh) if mesh.pseudo_normals().is_none() => Self::Shell(&**shape),
-            TypedShape::HeightField(_)
-            | TypedShape::Triangle(_)
-            | TypedShape::Segment(_)
-            | TypedShape::Polyline(_) => Self::Shell(&**shape),
+            TypedShape::HeightField(_) | TypedShape::Triangle(_) | TypedShape::Segment(_) | TypedShape::Polyline(_) => {
+                Self::Shell(&**shape)
+            }
             _ => Self::Solid(&**shape),
         }
     }
@@ -92,11 +101,8 @@ impl<'a> Surface<'a> {
             Self::Cuboid { half } => slabs(from, way, half),
             Self::Capsule { a, b, radius } => {
                 let middle = 0.5 * (a + b);
-                let capsule = parry3d::shape::Capsule::new(
-                    (a - middle).as_vec3(),
-                    (b - middle).as_vec3(),
-                    radius as f32,
-                );
+                let capsule =
+                    parry3d::shape::Capsule::new((a - middle).as_vec3(), (b - middle).as_vec3(), radius as f32);
                 cast(&capsule, from - middle, way)
             }
             Self::Solid(shape) | Self::Shell(shape) => cast(shape, from, way),
