@@ -17,7 +17,8 @@ fn sheet(n: usize, side: f64, centre: DVec3) -> Cloth {
     for x in &mut mesh.positions {
         *x = centre + DVec3::new(x.x - 0.5 * side, 0.0, -x.y - 0.5 * side);
     }
-    Cloth::new(mesh.shape(), membrane(), SolverSettings::default()).unwrap()
+    let fabric = if std::env::var("COTTON").is_ok() { Fabric::cotton() } else { membrane() };
+    Cloth::new(mesh.shape(), fabric, SolverSettings::default()).unwrap()
 }
 
 fn fastest(cloth: &Cloth) -> f64 {
@@ -35,7 +36,7 @@ fn probe_drop() {
         let gap = cloth.positions().iter().map(|x| x.length() - 0.3).fold(f64::MAX, f64::min);
         if frame < 40 || frame % 20 == 0 {
             println!(
-                "{frame} {:?} it {} fb {} cl {} cs {} re {} gap {:.5} fast {:.5} contacts {} rms {:.3} t {:.2} c {:.2}",
+                "{frame} {:?} it {} fb {} cl {} cs {} re {} gap {:.5} fast {:.5} touching {:.5} contacts {} rms {:.3} t {:.2} c {:.2}",
                 r.outcome,
                 r.iterations,
                 r.fallbacks,
@@ -43,7 +44,7 @@ fn probe_drop() {
                 r.contact_solves,
                 r.rescues,
                 gap,
-                fastest(&cloth),
+                fastest(&cloth), cloth.contacts().map(|c| cloth.velocities()[c.vertices[0] as usize].length()).fold(0.0, f64::max),
                 cloth.contacts().count(),
                 cloth.stretch().rms * 100.0,
                 r.total.as_secs_f64() * 1e3,

@@ -72,7 +72,7 @@ impl<T: Scalar> Implicit<T> {
         }
         for solves in 0.. {
             let Self { contact, point, moves, .. } = self;
-            let again = contact.judge(|vertex| point[vertex] + moves[vertex], step.dt);
+            let again = contact.judge(|vertex| point[vertex] + moves[vertex]);
             if !again || solves == CONTACT_STEPS {
                 break;
             }

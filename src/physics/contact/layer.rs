@@ -10,9 +10,12 @@ use crate::physics::material::Fabric;
 
 /// Stiffness of a touch over that of inertia in a step, m/Δt², and over that of the fabric.
 const OVER_INERTIA: f64 = 30.0;
-const OVER_FABRIC: f64 = 2.0;
+const OVER_FABRIC: f64 = 0.05;
 /// Points are watched which come as near as so many thicknesses.
 const REACH: f64 = 2.0;
+
+/// Share of the forces of contact that may be wrong.
+const WRONG: f64 = 0.1;
 
 /// What the touches need to know of a substep. All vertices are numbered as the engine does.
 #[derive(Clone, Copy)]
@@ -110,7 +113,6 @@ impl ContactLayer {
                     surface: meeting.surface,
                     carried: meeting.carried,
                     stiffness: OVER_INERTIA * inertia + OVER_FABRIC * self.fabric,
-                    mass,
                     lambda: 0.0,
                     tau: DVec3::ZERO,
                     pressing: inertia * (meeting.offset - meeting.normal.dot(y)).max(0.0),
@@ -130,8 +132,10 @@ impl ContactLayer {
                     touch.tau = friction_force.clamp_length_max(touch.friction * touch.lambda);
                     slipping = memory.slipping.and_then(|way| tangential(body.turn(way)).try_normalize());
                 }
-                touch.choose(y);
-                touch.stay(slipping, y);
+                // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
+                let inertial = x + moving.dt * moving.v[vertex];
+                touch.choose(if touch.last > 0.0 { y } else { inertial });
+                touch.stay(slipping, inertial);
                 self.touches.push(touch);
             }
         }
@@ -180,14 +184,16 @@ impl ContactLayer {
         terms
     }
 
-    /// Judges every touch by where a solve led. Says whether it must be solved again.
-    pub fn judge(&mut self, points: impl Fn(usize) -> DVec3, dt: f64) -> bool {
-        let mut again = false;
+    /// Judges every touch by where a solve led. Says whether so much of the forces was wrong that it must be solved again: a few
+    /// touches that were will be right in the next step.
+    pub fn judge(&mut self, points: impl Fn(usize) -> DVec3) -> bool {
+        let (mut wrong, mut right) = (0.0, 0.0);
         for touch in &mut self.touches {
             let x = touch.at(&points);
-            again |= touch.judge(x, dt);
+            wrong += touch.judge(x);
+            right += touch.force.length();
         }
-        again
+        wrong > WRONG * right
     }
 
     /// The case of every touch as its potential has it.

@@ -7,7 +7,7 @@ use super::surface::{Nearest, Surface};
 
 /// Share of what a point is too close to a collider that it may go away from it in a step, and how fast at most, m/s. What is
 /// pushed out at once would fly off.
-const RECOVERY: f64 = 0.2;
+const RECOVERY: f64 = 0.02;
 const RECOVERY_SPEED: f64 = 0.5;
 /// Cosine of the angle between the surface where it is entered and where it is nearest, above which the nearest counts.
 const SAME_SIDE: f64 = 0.5;

@@ -9,10 +9,8 @@ use bevy::math::{DMat3, DVec3};
 
 use crate::physics::assembly::ContactTerm;
 
-/// Acceleration that a wrong case may stand for without the step being solved again, m/s².
-const TOLERANCE: f64 = 2.0;
-/// Relative excess of friction over its limit that may.
-const EXCESS: f64 = 0.1;
+/// Share of the thickness that may be missing to what was not in touch.
+const DEEP: f64 = 0.3;
 
 /// Which case of the law holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +41,6 @@ pub(super) struct Touch {
     pub carried: DVec3,
     /// k, N/m.
     pub stiffness: f64,
-    /// Mass that it moves, kg.
-    pub mass: f64,
     /// λ, N.
     pub lambda: f64,
     /// τ, N.
@@ -119,34 +115,36 @@ impl Touch {
         ContactTerm { vertices: self.vertices, weights: self.weights, force, stiffness }
     }
 
-    /// Takes note of where the solve led, and says whether the case was so wrong that it must be solved again.
-    pub fn judge(&mut self, x: DVec3, dt: f64) -> bool {
-        let pull = self.mass * TOLERANCE;
+    /// Takes note of where the solve led, and says how much force was wrong because another case holds there, N.
+    pub fn judge(&mut self, x: DVec3) -> f64 {
         let normal = self.normal_force(x);
         let case = self.case;
         let wrong = if normal <= 0.0 {
             self.case = Case::Apart;
-            case != Case::Apart && normal < -pull
+            if case == Case::Apart { 0.0 } else { -normal }
         } else {
             self.pressing = normal;
             match case {
                 Case::Apart => {
                     self.choose(x);
-                    normal > 5.0 * pull
+                    // What is not yet near the surface itself may wait for the next step.
+                    let missing = self.offset - self.normal.dot(x);
+                    if missing > DEEP * (self.offset - self.surface) { normal } else { 0.0 }
                 }
                 Case::Stick => {
                     let trial = self.trial(x);
                     if trial.length() > self.limit() {
                         self.case = Case::Slip(-trial.normalize());
                     }
-                    trial.length() > (1.0 + EXCESS) * self.limit() + pull
+                    (trial.length() - self.limit()).max(0.0)
                 }
                 Case::Slip(way) => {
-                    let back = -self.slip(x).dot(way);
-                    if back > 0.0 {
+                    if self.slip(x).dot(way) < 0.0 {
                         self.case = Case::Stick;
+                        2.0 * self.limit()
+                    } else {
+                        0.0
                     }
-                    back > TOLERANCE * dt * dt
                 }
             }
         };
@@ -188,7 +186,6 @@ mod tests {
             surface: 0.0,
             carried: DVec3::new(0.1, 0.003, 0.0),
             stiffness: 100.0,
-            mass: 1e-3,
             lambda: 0.02,
             tau: DVec3::new(0.004, 0.0, 0.0),
             pressing: 0.02,
@@ -228,16 +225,16 @@ mod tests {
     #[test]
     fn what_pulls_is_let_go_and_what_slips_back_sticks() {
         let mut pulled = touch();
-        assert!(pulled.judge(DVec3::new(0.1, 0.004, 0.0), 0.01) && pulled.case == Case::Apart);
+        assert!(pulled.judge(DVec3::new(0.1, 0.004, 0.0)) > 0.0 && pulled.case == Case::Apart);
         let mut dragged = touch();
-        assert!(dragged.judge(DVec3::new(0.11, 0.003, 0.0), 0.01));
+        assert!(dragged.judge(DVec3::new(0.11, 0.003, 0.0)) > 0.9);
         let Case::Slip(way) = dragged.case else { panic!("{:?}", dragged.case) };
         assert!(way.distance(DVec3::X) < 1e-12);
         assert!((dragged.force - DVec3::new(-0.01, 0.02, 0.0)).length() < 1e-12, "{}", dragged.force);
         let mut back = Touch { case: Case::Slip(DVec3::X), ..touch() };
-        assert!(back.judge(DVec3::new(0.099, 0.003, 0.0), 0.01) && back.case == Case::Stick);
+        assert!(back.judge(DVec3::new(0.099, 0.003, 0.0)) > 0.0 && back.case == Case::Stick);
         let mut resting = touch();
-        assert!(!resting.judge(DVec3::new(0.1, 0.003, 0.0), 0.01) && resting.case == Case::Stick);
+        assert!(resting.judge(DVec3::new(0.1, 0.003, 0.0)) == 0.0 && resting.case == Case::Stick);
         assert!((resting.force - DVec3::new(0.004, 0.02, 0.0)).length() < 1e-12);
     }
 }
