@@ -9,7 +9,8 @@ use crate::physics::assembly::ContactTerm;
 use crate::physics::material::Fabric;
 
 /// Stiffness of a touch over that of inertia in a step, m/Δt², and over that of the fabric.
-const OVER_INERTIA: f64 = 30.0;
+const OVER_INERTIA: f64 = 4.0;
+const GIVE: f64 = 0.05;
 const OVER_FABRIC: f64 = 0.05;
 /// Points are watched which come as near as so many thicknesses.
 const REACH: f64 = 2.0;
@@ -96,7 +97,7 @@ impl ContactLayer {
                 let meeting = match body.meet(x, y, thickness, reach, moving.dt) {
                     Ok(meeting) => meeting,
                     Err(room) => {
-                        if room < reach {
+                        if room < reach + x.distance(y) {
                             self.watched.push((vertex as u32, room));
                         }
                         continue;
@@ -112,7 +113,7 @@ impl ContactLayer {
                     offset: meeting.offset,
                     surface: meeting.surface,
                     carried: meeting.carried,
-                    stiffness: OVER_INERTIA * inertia + OVER_FABRIC * self.fabric,
+                    stiffness: 0.0,
                     lambda: 0.0,
                     tau: DVec3::ZERO,
                     pressing: inertia * (meeting.offset - meeting.normal.dot(y)).max(0.0),
@@ -132,8 +133,14 @@ impl ContactLayer {
                     touch.tau = friction_force.clamp_length_max(touch.friction * touch.lambda);
                     slipping = memory.slipping.and_then(|way| tangential(body.turn(way)).try_normalize());
                 }
-                // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
+                // As stiff as its force needs, so that what is loaded lightly is let go and found again smoothly: of the step
+                // before, or to stop what comes in, with the fabric that pulls it.
                 let inertial = x + moving.dt * moving.v[vertex];
+                let coming = (touch.offset - touch.normal.dot(inertial)).max(0.0);
+                let load = touch.last.max(inertia * coming);
+                let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
+                touch.stiffness = pulled + (OVER_INERTIA * inertia).max(load / (GIVE * thickness));
+                // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
                 touch.choose(if touch.last > 0.0 { y } else { inertial });
                 touch.stay(slipping, inertial);
                 self.touches.push(touch);
