@@ -10,7 +10,7 @@ mod options;
 pub mod plugin;
 pub mod solver;
 pub mod spmv;
-mod statistics;
+pub(crate) mod statistics;
 pub mod targets;
 pub mod terms;
 
