@@ -1,6 +1,5 @@
 //! A solid on its way.
 
-use bevy::math::DVec3;
 use bevy_cloth::parry3d::shape::SharedShape;
 use bevy_cloth::physics::{Collider, Pose};
 
@@ -40,10 +39,5 @@ impl Body {
             end: self.pose(end),
             friction: self.friction,
         }
-    }
-
-    /// Distance of a point from its surface at a time, m: negative inside.
-    pub fn distance(&self, time: f64, point: DVec3) -> f64 {
-        self.solid.distance(self.pose(time).local(point))
     }
 }

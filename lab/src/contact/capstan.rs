@@ -123,7 +123,7 @@ mod tests {
                 assert!((read(span) / known - 1.0).abs() < 1e-9, "{} {known}", read(span));
             }
             // The ends do not meet.
-            let depth = trial.cloth.positions().iter().map(|&x| trial.bodies[0].distance(0.0, x)).fold(1.0, f64::min);
+            let depth = trial.cloth.positions().iter().map(|&x| trial.bodies[0].solid.distance(x)).fold(1.0, f64::min);
             assert!((depth - 3e-3).abs() < 1e-9, "{depth}");
         }
     }

@@ -10,6 +10,7 @@ use super::solid::Solid;
 use super::timing::{Timed, median_and_mean, side_by_side};
 use super::trial::Trial;
 use crate::bench::statistics::Frames;
+use crate::report::{Table, figure, percent};
 use crate::scenes::{DT, Meshing, Sheet, fabric};
 use crate::validate::strip::{Strip, place};
 
@@ -95,6 +96,17 @@ pub fn cost(n: u32, frames: u32, repeat: u32) -> Cost {
     timed(n, frames, repeat).1
 }
 
+/// The rows of the bench for the reader: CPU time, the median unless said.
+pub fn table(rows: &[Cost]) -> Table {
+    let mut table = Table::new("dropped ms mean hung-ms mean ratio ratio-of-means finding");
+    for row in rows {
+        let [dropped, hung] = [row.dropped_ms, row.hung_ms];
+        let figures = dropped.into_iter().chain(hung).chain(row.ratios()).map(figure);
+        table.row(core::iter::once(format!("{0}²", row.side)).chain(figures).chain([percent(row.finding)]));
+    }
+    table
+}
+
 /// The judgements at a size: what it costs, how deep it is, whether it lies there at last.
 pub fn rows(n: u32, frames: u32, seconds: f64) -> Vec<Row> {
     let (mut trial, cost) = timed(n, frames, if n > 64 { 2 } else { 3 });
@@ -146,6 +158,7 @@ mod tests {
     fn costs_are_of_both() {
         let cost = cost(8, 6, 2);
         assert!(cost.hung_ms.iter().chain(&cost.dropped_ms).all(|&ms| ms > 0.0), "{cost:?}");
+        assert_eq!(table(std::slice::from_ref(&cost)).to_string().lines().count(), 2);
         assert!(cost.ratios()[0] > 0.2 && cost.finding >= 0.0, "{cost:?}");
     }
 }

@@ -97,7 +97,8 @@ mod tests {
     #[test]
     fn the_cape_begins_outside_and_the_character_runs() {
         let (cape, bodies) = (cape(), bodies());
-        let distance = |x: DVec3| bodies.iter().map(|body| body.distance(0.0, x)).fold(1.0, f64::min);
+        let distance =
+            |x: DVec3| bodies.iter().map(|body| body.solid.distance(body.pose(0.0).local(x))).fold(1.0, f64::min);
         let nearest = cape.positions().iter().map(|&x| distance(x)).fold(1.0, f64::min);
         assert!(nearest > 0.02, "{nearest}");
         let speed = stance(2.0).translation.distance(stance(2.01).translation) / 0.01;
@@ -116,7 +117,8 @@ mod tests {
             let time = f64::from(step) * DT;
             for x in [0.0, 0.15, 0.3, 0.45, 0.6] {
                 let place = stance(time).place(hung(DVec3::new(0.0, 0.0, x)));
-                let nearest = bodies.iter().map(|body| body.distance(time, place)).fold(1.0, f64::min);
+                let nearest =
+                    bodies.iter().map(|body| body.solid.distance(body.pose(time).local(place))).fold(1.0, f64::min);
                 assert!(nearest > 0.01, "{nearest} at {time} s");
             }
         }

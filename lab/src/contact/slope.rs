@@ -115,7 +115,7 @@ mod tests {
             let body = &trial.bodies[0];
             for &x in small_sheet(0.5).positions() {
                 let tilted = DQuat::from_rotation_z(-0.3_f64.atan()) * x;
-                assert!((body.distance(0.0, tilted) - 3e-3 - GAP).abs() < 1e-9, "{floor:?}");
+                assert!((body.solid.distance(body.pose(0.0).local(tilted)) - 3e-3 - GAP).abs() < 1e-9, "{floor:?}");
             }
         }
     }
