@@ -1,6 +1,6 @@
 //! The laboratory: measures bevy_cloth, free of anything that draws.
 //!
-//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`], [`stability`], [`mod@budget`]), beside what they share:
+//! One folder per subcommand ([`mod@bench`], [`validate`], [`trade`], [`stability`], [`mod@budget`], [`contact`]), beside what they share:
 //! [`scenes`] that others have measured too, the [`matrix`] of a cloth, [`memory`] in use, levels of [`mod@quality`],
 //! [`report`]s as tables and JSON, and [`plot`]s as pictures.
 
@@ -8,6 +8,7 @@
 
 pub mod bench;
 pub mod budget;
+pub mod contact;
 pub mod matrix;
 pub mod memory;
 pub mod plot;

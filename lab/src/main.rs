@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::{bench, budget, stability, trade, validate};
+use lab::{bench, budget, contact, stability, trade, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -28,6 +28,9 @@ enum Command {
     /// Does it hold: thousands of cloths at the extremes of step, stiffness, mesh and motion. Status 1 if one gains energy, is
     /// not finite or panics, or too many stand still.
     Stability(stability::Options),
+    /// Is contact right, and what does it cost: friction, depth, rest, impacts on solids of every kind. Status 1 if a figure is not
+    /// what is wanted.
+    Contact(contact::Options),
 }
 
 fn main() -> ExitCode {
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         Command::Trade(options) => trade::run(&options),
         Command::Budget(options) => budget::run(&options),
         Command::Stability(options) => stability::run(&options),
+        Command::Contact(options) => contact::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -80,6 +84,8 @@ mod tests {
             "lab budget --frames 10",
             "lab stability --runs many",
             "lab stability --only -1",
+            "lab contact --only moon",
+            "lab contact --sizes 1",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");

@@ -46,7 +46,7 @@ impl Case {
                 Part::Irregular => cases.extend(
                     [Meshing::Irregular, Meshing::Shuffled].map(|meshing| Self { meshing, ..Self::sheet(100) }),
                 ),
-                Part::Plugin | Part::Accuracy | Part::Terms => {}
+                Part::Plugin | Part::Accuracy | Part::Terms | Part::Contact => {}
             }
         }
         without_repeats(cases, options)

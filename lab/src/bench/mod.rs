@@ -10,7 +10,7 @@ mod options;
 pub mod plugin;
 pub mod solver;
 pub mod spmv;
-mod statistics;
+pub(crate) mod statistics;
 pub mod targets;
 pub mod terms;
 
@@ -25,6 +25,7 @@ pub use case::Case;
 pub use options::{Options, Part};
 pub use statistics::Spread;
 
+use crate::contact::drop::{self, Cost};
 use crate::report::JsonLines;
 
 /// Vertices along a side of the sheet whose terms are measured.
@@ -39,6 +40,7 @@ enum Record<'a> {
     Accuracy(&'a accuracy::AccuracyRow),
     Term(&'a terms::TermRow),
     Feature(&'a features::FeatureRow),
+    Contact(&'a Cost),
     Target(&'a targets::Verdict),
 }
 
@@ -92,6 +94,15 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
             record(Record::Feature(row))?;
         }
     }
+    let mut contact_rows = Vec::new();
+    if options.parts.contains(&Part::Contact) {
+        for &side in &options.sizes {
+            progress.set_message(format!("contact, {side}²"));
+            let row = pool(1)?.install(|| drop::cost(side, drop::FRAMES, repeat));
+            record(Record::Contact(&row))?;
+            contact_rows.push(row);
+        }
+    }
     progress.finish_and_clear();
 
     let verdicts = targets::verdicts(&rows, &plugin_rows, &accuracy_rows);
@@ -104,6 +115,7 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         (!accuracy_rows.is_empty()).then(|| accuracy::table(&accuracy_rows)),
         (!term_rows.is_empty()).then(|| terms::table(&term_rows)),
         (!feature_rows.is_empty()).then(|| features::table(&feature_rows)),
+        (!contact_rows.is_empty()).then(|| drop::table(&contact_rows)),
         (!verdicts.is_empty()).then(|| targets::table(&verdicts)),
     ];
     let mut text = format!("Sheets hung by two corners, {frames} frames of 1/60 s. Times in ms per frame.\n\n");

@@ -63,11 +63,21 @@ pub enum Part {
     Accuracy,
     /// What each optional term of the model and each optional feature of the plugin costs.
     Terms,
+    /// The sheet dropped on a ball (scene W2) beside the hung one, at the default quality, on one thread, in every size.
+    Contact,
 }
 
 impl Part {
-    const ALL: [Self; 7] =
-        [Self::Sheets, Self::Threads, Self::Crowd, Self::Irregular, Self::Plugin, Self::Accuracy, Self::Terms];
+    const ALL: [Self; 8] = [
+        Self::Sheets,
+        Self::Threads,
+        Self::Crowd,
+        Self::Irregular,
+        Self::Plugin,
+        Self::Accuracy,
+        Self::Terms,
+        Self::Contact,
+    ];
 }
 
 impl Options {

@@ -9,7 +9,7 @@ mod motion;
 mod plot;
 mod row;
 mod string;
-mod strip;
+pub(crate) mod strip;
 
 use std::io::Write;
 use std::path::PathBuf;
