@@ -204,4 +204,5 @@ fn touches_are_told_to_who_asks() {
         assert_eq!(told.len(), expected.count());
         assert!(told.iter().all(|touch| touch.collider == floor && touch.normal.abs_diff_eq(Vec3::Y, 1e-4)));
     }
+    assert!(!app.world().get::<ClothContacts>(cloth).unwrap().is_empty());
 }
