@@ -50,6 +50,10 @@ pub mod prelude {
     pub use crate::physics::{
         BendingModel, Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings,
     };
+    #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
+    pub use crate::plugin::ClothPhysicsCollider;
+    #[cfg(feature = "avian3d")]
+    pub use crate::plugin::ClothPushes;
     pub use crate::plugin::{
         ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
         ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,

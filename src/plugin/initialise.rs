@@ -200,6 +200,7 @@ impl CandidateItem<'_, '_> {
             revision: 0,
             shown,
             report: None,
+            step_length: 0.0,
             faults: Faults::default(),
         };
         Ok((state, aabb))

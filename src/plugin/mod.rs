@@ -50,6 +50,10 @@ use bevy::prelude::*;
 
 pub use budget::{ClothBudget, ClothBudgetReport, ClothImportance};
 pub use components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
+#[cfg(any(feature = "avian3d", feature = "rapier3d"))]
+pub use contact::ClothPhysicsCollider;
+#[cfg(feature = "avian3d")]
+pub use contact::ClothPushes;
 pub use contact::{
     ClothCollider, ClothColliderError, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers, ClothMeshCollider,
     ClothMeshShape, ClothShapeError, ClothTouch,
@@ -206,5 +210,11 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothError>()
             .register_type::<ClothGravity>()
             .register_type::<ClothReset>();
+        #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
+        app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
+        #[cfg(feature = "avian3d")]
+        contact::avian::plugin(app, self.schedule);
+        #[cfg(feature = "rapier3d")]
+        contact::rapier::plugin(app, self.schedule);
     }
 }

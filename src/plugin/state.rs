@@ -42,6 +42,8 @@ pub struct ClothState {
 
     pub(super) shown: Shown,
     pub(super) report: Option<StepReport>,
+    /// Length of the last step, s.
+    pub(super) step_length: f64,
     pub(super) faults: Faults,
 }
 
@@ -107,6 +109,11 @@ impl ClothState {
     /// How the last step went.
     pub fn last_report(&self) -> Option<&StepReport> {
         self.report.as_ref()
+    }
+
+    /// Length of the last step, s: what touched it gave a force times this as impulse.
+    pub fn step_length(&self) -> f64 {
+        self.step_length
     }
 
     /// The level that the cloth is solved at: the one asked for, or a lower one if a [`ClothBudget`](super::ClothBudget) says

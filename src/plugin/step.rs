@@ -33,6 +33,7 @@ impl ClothState {
     fn step(&mut self, dt: f64) {
         self.previous_positions.clear();
         self.previous_positions.extend_from_slice(self.cloth.positions());
+        self.step_length = dt;
         let report = self.cloth.step(dt);
         self.faults.diverged = match &report.outcome {
             StepOutcome::Accepted => None,

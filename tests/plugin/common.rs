@@ -142,10 +142,15 @@ pub struct Given {
 /// As [`app`], and takes note of the colliders in each step.
 pub fn app_with_notes() -> App {
     let mut app = app();
+    with_notes(&mut app);
+    app
+}
+
+/// Takes note of the colliders in each step.
+pub fn with_notes(app: &mut App) {
     app.init_resource::<Given>()
         .add_systems(FixedUpdate, note.after(ClothSystems::Collect).before(ClothSystems::Step))
         .add_systems(FixedUpdate, keep.after(ClothSystems::Step));
-    app
 }
 
 fn note(cloths: Query<(Entity, &ClothState)>, mut given: ResMut<Given>) {

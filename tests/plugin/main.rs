@@ -1,5 +1,7 @@
 //! The plugin, in headless apps.
 
+#[cfg(feature = "avian3d")]
+mod avian;
 mod budget;
 mod common;
 mod contact;
@@ -13,6 +15,8 @@ mod lifecycle;
 mod order;
 mod pins;
 mod quality;
+#[cfg(feature = "rapier3d")]
+mod rapier;
 mod reflect;
 mod shading;
 mod start;

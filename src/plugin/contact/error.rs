@@ -85,6 +85,12 @@ pub enum ClothColliderError {
         /// The scale.
         scale: Vec3,
     },
+    /// A shape of a physics engine that has no equal here.
+    #[error("a {shape} cannot be taken over from the physics engine: add a `ClothCollider` of another shape instead")]
+    Unsupported {
+        /// Name of the kind of shape.
+        shape: String,
+    },
     /// There is no [`Mesh3d`] beside [`ClothMeshCollider`](super::ClothMeshCollider).
     #[error("there is no mesh: add `Mesh3d` beside `ClothMeshCollider`")]
     NoMesh,

@@ -3,15 +3,22 @@
 //! A [`ClothCollider`] ([`collider`], its forms in [`shapes`]; from a mesh asset by [`mesh`]) is scaled as its entity is
 //! ([`scale`]) and its way through the last ticks is kept ([`track`]). Before each step of a cloth, those near it ([`bounds`],
 //! [`give`]) that it may touch ([`layers`]) go to the physics, with the pose at the cloth's last step and the present one.
-//! After the step, the touches come back ([`touches`]).
+//! After the step, the touches come back ([`touches`]). With the features `avian3d` and `rapier3d`, colliders of these engines
+//! become colliders of cloth.
 
+#[cfg(feature = "avian3d")]
+pub(super) mod avian;
 mod bounds;
 mod collider;
+#[cfg(any(feature = "avian3d", feature = "rapier3d"))]
+mod engines;
 mod error;
 mod give;
 mod hull;
 mod layers;
 mod mesh;
+#[cfg(feature = "rapier3d")]
+pub(super) mod rapier;
 mod scale;
 mod settings;
 mod shapes;
@@ -19,7 +26,13 @@ mod surface;
 mod touches;
 mod track;
 
+#[cfg(feature = "avian3d")]
+pub use avian::ClothPushes;
 pub use collider::ClothCollider;
+#[cfg(any(feature = "avian3d", feature = "rapier3d"))]
+pub use engines::ClothPhysicsCollider;
+#[cfg(any(feature = "avian3d", feature = "rapier3d"))]
+pub(super) use engines::end_mark;
 pub use error::{ClothColliderError, ClothShapeError};
 pub(super) use give::{Surroundings, give};
 pub use layers::{ClothCollidesWith, ClothLayers};

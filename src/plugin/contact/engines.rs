@@ -1,0 +1,46 @@
+//! Colliders of physics engines as colliders of cloth.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use parry3d::shape::SharedShape;
+
+use super::collider::ClothCollider;
+use super::error::ClothColliderError;
+
+/// Beside a collider of Avian or Rapier: makes it a [`ClothCollider`] too, with its shape and friction, and keeps it one as
+/// that changes. [`ClothCollider::teleport_distance`] may be set on what is made.
+///
+/// A collider that is a child of a rigid body is marked itself, and has its own transform.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Transform)]
+pub struct ClothPhysicsCollider;
+
+/// Brings the collider of an entity up to date.
+pub(super) fn take_over(
+    commands: &mut Commands,
+    entity: Entity,
+    current: Option<&ClothCollider>,
+    shape: &SharedShape,
+    friction: Option<f32>,
+) {
+    let friction = friction.unwrap_or(ClothCollider::FRICTION);
+    let same = |current: &ClothCollider| Arc::ptr_eq(&current.shape().0, &shape.0) && current.friction == friction;
+    if current.is_some_and(same) {
+        return;
+    }
+    let teleport_distance = current.map_or(ClothCollider::TELEPORT_DISTANCE, |current| current.teleport_distance);
+    if let Ok(mut entity) = commands.get_entity(entity) {
+        let collider = ClothCollider::new(shape.clone()).with_friction(friction);
+        entity.try_insert(collider.with_teleport_distance(teleport_distance));
+    }
+}
+
+/// Takes the collider away with its mark.
+pub(in crate::plugin) fn end_mark(removed: On<Remove, ClothPhysicsCollider>, mut commands: Commands) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<(ClothCollider, ClothColliderError)>();
+    }
+}
