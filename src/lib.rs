@@ -51,9 +51,11 @@ pub mod prelude {
         BendingModel, Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings,
     };
     pub use crate::plugin::{
-        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothDefaultQuality, ClothDiagnosticsPlugin,
-        ClothDisabled, ClothError, ClothGravity, ClothImportance, ClothMaterial, ClothMesh, ClothPinTargets, ClothPins,
-        ClothPlugin, ClothQuality, ClothReset, ClothSolver, ClothState, ClothSystems, PinChannel, PinRule, PinVertex,
+        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
+        ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
+        ClothGravity, ClothImportance, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider, ClothMeshShape,
+        ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError, ClothSolver, ClothState,
+        ClothSystems, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

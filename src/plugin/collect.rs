@@ -6,12 +6,13 @@ use bevy::prelude::*;
 
 use super::budget::{Keeper, following};
 use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
+use super::contact::ClothContact;
 use super::error::ClothError;
 use super::material::ClothMaterial;
 use super::pins::ClothPins;
 use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 use super::state::{ClothState, representatives, rest_shape, same_scale, usable};
-use crate::physics::Cloth;
+use crate::physics::{Cloth, ContactSettings};
 
 type Described<'a> = (
     Entity,
@@ -20,6 +21,7 @@ type Described<'a> = (
     Option<&'a ClothMaterial>,
     Option<&'a ClothSolver>,
     Option<&'a ClothQuality>,
+    Option<&'a ClothContact>,
     Option<Ref<'a, ClothPins>>,
     Option<&'a ClothPinTargets>,
     Has<ClothDisabled>,
@@ -36,11 +38,14 @@ pub(super) fn collect(
     mut cloths: Query<Described>,
 ) {
     let start = Instant::now();
-    for (entity, mut state, cloth_mesh, material, solver, quality, pins, targets, disabled, propagated) in &mut cloths {
+    for (entity, mut state, cloth_mesh, material, solver, quality, contact, pins, targets, disabled, propagated) in
+        &mut cloths
+    {
         let state = &mut *state;
         state.collect_solver(solver, *quality.unwrap_or(&default_quality.0));
         state.collect_pace(keeper.tick, entity.index_u32());
         state.collect_material(material, gravity.as_dvec3());
+        state.collect_contact(contact);
         state.collect_pin_rules(pins, &meshes);
         if disabled {
             state.suspended = true;
@@ -90,6 +95,16 @@ impl ClothState {
         }
     }
 
+    fn collect_contact(&mut self, contact: Option<&ClothContact>) {
+        let settings = contact.map_or_else(ContactSettings::default, |&contact| contact.into());
+        if settings != self.cloth.contact_settings() || self.faults.contact.is_some() {
+            self.faults.contact = settings.validate().err().map(Into::into);
+            if self.faults.contact.is_none() {
+                self.cloth.set_contact_settings(settings);
+            }
+        }
+    }
+
     /// Evaluates the rules when they changed; keeps the pins there are if they are wrong.
     fn collect_pin_rules(&mut self, rules: Option<Ref<ClothPins>>, meshes: &Assets<Mesh>) {
         let changed = rules.as_ref().map(Ref::last_changed);
@@ -136,6 +151,7 @@ impl ClothState {
         let same_vertices = shape.simulated == old.shape().simulated;
         let mut cloth = Cloth::new(shape, *old.fabric(), *old.settings())?;
         cloth.set_gravity(old.gravity());
+        cloth.set_contact_settings(old.contact_settings());
         if same_vertices {
             cloth.set_state(old.positions(), old.velocities());
         }

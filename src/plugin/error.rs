@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 use super::state::ClothState;
-use crate::physics::{MaterialError, MeshError, SettingsError};
+use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsError};
 
 /// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
 ///
@@ -88,6 +88,9 @@ pub enum ClothError {
     /// The settings of the solver cannot be used.
     #[error("`ClothSolver`: {0}")]
     Solver(#[from] SettingsError),
+    /// How it meets colliders cannot be.
+    #[error("`ClothContact`: {0}")]
+    Contact(#[from] ContactSettingsError),
     /// The transform is not finite, or squashes the cloth.
     #[error("the transform of the entity is not finite or has a scale of zero: the cloth waits until it is usable")]
     Transform,
@@ -117,6 +120,7 @@ pub(super) struct Faults {
     pub transform: Option<ClothError>,
     pub material: Option<ClothError>,
     pub solver: Option<ClothError>,
+    pub contact: Option<ClothError>,
     pub pins: Option<ClothError>,
     pub pin_targets: Option<ClothError>,
     pub diverged: Option<ClothError>,
@@ -125,9 +129,17 @@ pub(super) struct Faults {
 impl Faults {
     /// The one to tell the user about first.
     pub fn first(&self) -> Option<&ClothError> {
-        [&self.rebuild, &self.transform, &self.material, &self.solver, &self.pins, &self.pin_targets, &self.diverged]
-            .into_iter()
-            .find_map(Option::as_ref)
+        let by_weight = [
+            &self.rebuild,
+            &self.transform,
+            &self.material,
+            &self.solver,
+            &self.contact,
+            &self.pins,
+            &self.pin_targets,
+            &self.diverged,
+        ];
+        by_weight.into_iter().find_map(Option::as_ref)
     }
 }
 

@@ -5,13 +5,14 @@
 //! In `PostUpdate`, once per frame:
 //! 1. [`ClothSystems::Initialise`]: an entity with [`ClothMesh`] and a loaded [`Mesh3d`] gets a copy of the mesh of its own
 //!    and a [`ClothState`], which holds the physics. Likewise when its description or its mesh changes.
+//!    [`ClothMeshCollider`]s become [`ClothCollider`]s.
 //! 2. [`ClothSystems::WriteBack`]: positions between the last two steps, in the space of the entity, go to that copy with
 //!    normals, tangents and the [`Aabb`](bevy::camera::primitives::Aabb), if they changed. [`ClothError`]s are shown.
 //!
 //! In the schedule of [`ClothPlugin`] (`FixedUpdate`), once per step:
 //! 1. [`ClothSystems::Collect`]: transforms, [`ClothPins`], [`ClothPinTargets`], [`ClothMaterial`], [`ClothQuality`] or
-//!    [`ClothSolver`], and [`ClothGravity`] go to the physics.
-//! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side.
+//!    [`ClothSolver`], [`ClothContact`] and [`ClothGravity`] go to the physics; with them, each [`ClothCollider`] near the cloth.
+//! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side. [`ClothContacts`] are filled.
 //!
 //! With a [`ClothBudget`], `Collect` begins by deciding how accurate each cloth may be and whether it is stepped in this
 //! run, and `Step` and `WriteBack` end by taking note of what that took.
@@ -24,6 +25,7 @@
 mod budget;
 mod collect;
 mod components;
+mod contact;
 #[cfg(feature = "debug")]
 mod debug;
 mod diagnostics;
@@ -48,6 +50,10 @@ use bevy::prelude::*;
 
 pub use budget::{ClothBudget, ClothBudgetReport, ClothImportance};
 pub use components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
+pub use contact::{
+    ClothCollider, ClothColliderError, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers, ClothMeshCollider,
+    ClothMeshShape, ClothShapeError, ClothTouch,
+};
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
@@ -131,6 +137,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothDefaultQuality>()
             .init_resource::<ClothBudgetReport>()
             .init_resource::<budget::Keeper>()
+            .init_resource::<contact::Surroundings>()
             .insert_resource(write_back::Interpolate(self.interpolate && self.is_fixed()))
             .configure_sets(self.schedule, (ClothSystems::Collect, ClothSystems::Step).chain())
             .configure_sets(
@@ -148,11 +155,12 @@ impl Plugin for ClothPlugin {
                         budget::plan.run_if(resource_exists::<ClothBudget>),
                         budget::release.run_if(budget::is_left_over),
                         collect::collect,
+                        (contact::track, contact::give).chain().run_if(contact::is_wanted),
                     )
                         .chain()
                         .in_set(ClothSystems::Collect)
                         .run_if(time_passes),
-                    (step::step, budget::observe.run_if(resource_exists::<ClothBudget>))
+                    (step::step, contact::tell, budget::observe.run_if(resource_exists::<ClothBudget>))
                         .chain()
                         .in_set(ClothSystems::Step)
                         .run_if(time_passes),
@@ -161,7 +169,9 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    initialise::initialise.in_set(ClothSystems::Initialise),
+                    (contact::shape_meshes.run_if(any_with_component::<ClothMeshCollider>), initialise::initialise)
+                        .chain()
+                        .in_set(ClothSystems::Initialise),
                     (
                         write_back::write_back,
                         error::report_faults,
@@ -173,6 +183,8 @@ impl Plugin for ClothPlugin {
             )
             .add_observer(lifecycle::reset)
             .add_observer(lifecycle::end)
+            .add_observer(contact::end)
+            .add_observer(contact::end_mesh)
             .register_type::<ClothMesh>()
             .register_type::<ClothMaterial>()
             .register_type::<ClothPins>()
@@ -183,6 +195,13 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothImportance>()
             .register_type::<ClothBudget>()
             .register_type::<ClothBudgetReport>()
+            .register_type::<ClothCollider>()
+            .register_type::<ClothColliderError>()
+            .register_type::<ClothCollidesWith>()
+            .register_type::<ClothContact>()
+            .register_type::<ClothContacts>()
+            .register_type::<ClothLayers>()
+            .register_type::<ClothMeshCollider>()
             .register_type::<ClothDisabled>()
             .register_type::<ClothError>()
             .register_type::<ClothGravity>()

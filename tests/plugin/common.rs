@@ -5,9 +5,11 @@ use std::collections::HashMap;
 use bevy::app::Plugins;
 use bevy::asset::AssetId;
 use bevy::camera::CameraPlugin;
+use bevy::math::DVec3;
 use bevy::mesh::{Indices, MeshPlugin, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_cloth::physics::Collider;
 use bevy_cloth::plugin::*;
 
 /// Cells along each side of [`sheet`].
@@ -127,4 +129,60 @@ pub fn take_modified(app: &mut App, entity: Entity) -> usize {
 #[track_caller]
 pub fn assert_near(a: Vec3, b: Vec3, tolerance: f32) {
     assert!(a.distance(b) <= tolerance, "{a} is not {b}");
+}
+
+/// What each cloth was given in each of its steps.
+#[derive(Resource, Default)]
+pub struct Given {
+    pub steps: HashMap<Entity, Vec<Vec<Collider>>>,
+    /// Before the step of this tick, if there is one in it.
+    before: HashMap<Entity, (Vec<DVec3>, Vec<Collider>)>,
+}
+
+/// As [`app`], and takes note of the colliders in each step.
+pub fn app_with_notes() -> App {
+    let mut app = app();
+    app.init_resource::<Given>()
+        .add_systems(FixedUpdate, note.after(ClothSystems::Collect).before(ClothSystems::Step))
+        .add_systems(FixedUpdate, keep.after(ClothSystems::Step));
+    app
+}
+
+fn note(cloths: Query<(Entity, &ClothState)>, mut given: ResMut<Given>) {
+    for (entity, state) in &cloths {
+        let cloth = state.cloth();
+        given.before.insert(entity, (cloth.positions().to_vec(), cloth.colliders().to_vec()));
+    }
+}
+
+/// Those of a cloth that has moved.
+fn keep(cloths: Query<(Entity, &ClothState)>, mut given: ResMut<Given>) {
+    for (entity, state) in &cloths {
+        if let Some((positions, colliders)) = given.before.remove(&entity)
+            && positions != state.cloth().positions()
+        {
+            given.steps.entry(entity).or_default().push(colliders);
+        }
+    }
+}
+
+/// What a cloth was given in each of its steps since this was last called.
+pub fn take_given(app: &mut App, cloth: Entity) -> Vec<Vec<Collider>> {
+    app.world_mut().resource_mut::<Given>().steps.remove(&cloth).unwrap_or_default()
+}
+
+/// What a cloth was given in its last step: the entities, in order.
+pub fn given_in_last_step(app: &mut App, cloth: Entity) -> Vec<Entity> {
+    let last = take_given(app, cloth).pop().expect("a step");
+    let mut entities: Vec<_> = last.iter().map(|collider| Entity::from_bits(collider.id)).collect();
+    entities.sort();
+    entities
+}
+
+pub fn collider_error(app: &App, entity: Entity) -> Option<&ClothColliderError> {
+    app.world().get::<ClothColliderError>(entity)
+}
+
+pub fn set_transform(app: &mut App, entity: Entity, transform: Transform) {
+    *app.world_mut().get_mut(entity).expect("a transform") = transform;
 }

@@ -74,3 +74,33 @@ fn stretch_is_red_and_compression_blue() {
         }
     }
 }
+
+#[test]
+fn colliders_are_outlined_where_they_are() {
+    let mut app = app();
+    spawn(&mut app, sheet(), top_edge());
+    let none = ClothGizmos { edges: false, pins: false, normals: false, stretch: false, ..default() };
+    let at = Transform::from_xyz(0.0, 5.0, 0.0).with_scale(Vec3::splat(2.0));
+    let collider = app.world_mut().spawn((ClothCollider::cuboid(1.0, 2.0, 3.0), at)).id();
+    run(&mut app, 2);
+    set(&mut app, none);
+    let (ends, _) = drawn(&app);
+    assert_eq!(ends.len(), 24, "twelve edges");
+    assert!(ends.iter().all(|end| (*end - at.translation).abs().abs_diff_eq(Vec3::new(1.0, 2.0, 3.0), 1e-5)));
+    let tetrahedron = ClothCollider::convex_hull(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]).unwrap();
+    let plane = || ClothCollider::half_space(Dir3::Y);
+    for (shape, lines) in [
+        (ClothCollider::compound([(Vec3::X, Quat::IDENTITY, tetrahedron.clone())]).unwrap(), 6),
+        (tetrahedron, 6),
+        (ClothCollider::trimesh(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).unwrap(), 3),
+    ] {
+        app.world_mut().entity_mut(collider).insert(shape);
+        run(&mut app, 2);
+        assert_eq!(drawn(&app).0.len(), 2 * lines);
+    }
+    app.world_mut().entity_mut(collider).insert(plane());
+    run(&mut app, 2);
+    assert!(!drawn(&app).0.is_empty() && drawn(&app).0.iter().all(|end| (end.y - 5.0).abs() < 1e-4));
+    set(&mut app, ClothGizmos { colliders: false, ..none });
+    assert!(drawn(&app).0.is_empty());
+}

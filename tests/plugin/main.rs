@@ -2,6 +2,10 @@
 
 mod budget;
 mod common;
+mod contact;
+mod contact_choice;
+mod contact_errors;
+mod contact_mesh;
 mod debug;
 mod diagnostics;
 mod errors;

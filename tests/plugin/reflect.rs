@@ -26,6 +26,13 @@ fn everything_is_registered() {
         registration::<ClothImportance>(&app),
         registration::<ClothDisabled>(&app),
         registration::<ClothError>(&app),
+        registration::<ClothCollider>(&app),
+        registration::<ClothColliderError>(&app),
+        registration::<ClothMeshCollider>(&app),
+        registration::<ClothContact>(&app),
+        registration::<ClothContacts>(&app),
+        registration::<ClothLayers>(&app),
+        registration::<ClothCollidesWith>(&app),
     ];
     for component in components {
         assert!(component.data::<ReflectComponent>().is_some(), "{component:?}");

@@ -1,5 +1,8 @@
 //! Seeing what the physics sees.
 
+mod contact;
+mod outline;
+
 use bevy::color::palettes::css;
 use bevy::gizmos::AppGizmoBuilder;
 use bevy::gizmos::config::GizmoConfigGroup;
@@ -27,19 +30,35 @@ pub struct ClothGizmos {
     pub stretch: bool,
     /// Relative elongation at which the colour is full.
     pub full_stretch: f32,
+    /// Outlines of colliders.
+    pub colliders: bool,
+    /// Where cloth touches: a cross at each point, its normal, and an arrow of the force on the cloth.
+    pub contacts: bool,
+    /// Length of the arrow of a force of 1 N, m.
+    pub newton: f32,
 }
 
 impl Default for ClothGizmos {
     fn default() -> Self {
-        Self { edges: true, pins: true, normals: false, stretch: true, full_stretch: 0.05 }
+        Self {
+            edges: true,
+            pins: true,
+            normals: false,
+            stretch: true,
+            full_stretch: 0.05,
+            colliders: true,
+            contacts: false,
+            newton: 5.0,
+        }
     }
 }
 
 impl Plugin for ClothDebugPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<ClothGizmos>()
-            .init_gizmo_group::<ClothGizmos>()
-            .add_systems(PostUpdate, draw.after(ClothSystems::WriteBack));
+        app.register_type::<ClothGizmos>().init_gizmo_group::<ClothGizmos>().add_systems(
+            PostUpdate,
+            (draw, contact::draw_colliders, contact::draw_contacts).chain().after(ClothSystems::WriteBack),
+        );
     }
 }
 

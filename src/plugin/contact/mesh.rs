@@ -1,0 +1,128 @@
+//! Colliders made of mesh assets, once these are loaded.
+
+use bevy::asset::LoadState;
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+
+use super::collider::ClothCollider;
+use super::error::{ClothColliderError, report};
+
+/// Makes the mesh of this entity's [`Mesh3d`] a [`ClothCollider`], when it is loaded and again when it changes.
+///
+/// Building takes milliseconds for thousands of triangles: it is for meshes that keep their shape.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Transform)]
+pub struct ClothMeshCollider {
+    /// What is made of it.
+    pub shape: ClothMeshShape,
+    /// See [`ClothCollider::friction`].
+    pub friction: f32,
+    /// See [`ClothCollider::teleport_distance`], m.
+    pub teleport_distance: f32,
+}
+
+/// What a [`ClothMeshCollider`] makes of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ClothMeshShape {
+    /// Its triangles: [`ClothCollider::from_mesh`].
+    #[default]
+    Surface,
+    /// The convex hull of its vertices: [`ClothCollider::hull_of_mesh`]. Coarser, and cheaper to touch.
+    Hull,
+}
+
+impl Default for ClothMeshCollider {
+    fn default() -> Self {
+        Self {
+            shape: ClothMeshShape::default(),
+            friction: ClothCollider::FRICTION,
+            teleport_distance: ClothCollider::TELEPORT_DISTANCE,
+        }
+    }
+}
+
+type Wanted<'a> = (
+    NameOrEntity,
+    Ref<'a, ClothMeshCollider>,
+    Option<Ref<'a, Mesh3d>>,
+    Has<ClothCollider>,
+    Option<&'a ClothColliderError>,
+);
+
+/// Builds what is new or changed.
+pub(in crate::plugin) fn shape_meshes(
+    mut commands: Commands,
+    meshes: Res<Assets<Mesh>>,
+    server: Option<Res<AssetServer>>,
+    mut events: MessageReader<AssetEvent<Mesh>>,
+    wanted: Query<Wanted>,
+) {
+    let modified: HashSet<AssetId<Mesh>> = events
+        .read()
+        .filter_map(|event| if let AssetEvent::Modified { id } = event { Some(*id) } else { None })
+        .collect();
+    for (name, description, mesh, built, shown) in &wanted {
+        let waits = !built && shown.is_none();
+        let edited = description.is_changed()
+            || mesh.as_ref().is_none_or(|mesh| mesh.is_changed() || modified.contains(&mesh.id()))
+            // It may have been loaded after all.
+            || (!built && mesh.as_ref().is_some_and(|mesh| meshes.contains(&mesh.0)) && is_of_loading(shown));
+        if !(waits || edited) {
+            continue;
+        }
+        let made = description.make(mesh.as_deref(), &meshes, server.as_deref());
+        let Ok(mut entity) = commands.get_entity(name.entity) else { continue };
+        match made {
+            Ok(Some(collider)) => {
+                entity.try_insert(collider).try_remove::<ClothColliderError>();
+            }
+            Ok(None) => {
+                entity.try_remove::<(ClothCollider, ClothColliderError)>();
+            }
+            Err(error) => {
+                if built {
+                    entity.try_remove::<ClothCollider>();
+                }
+                report(&mut commands, &name, shown, Some(error));
+            }
+        }
+    }
+}
+
+fn is_of_loading(shown: Option<&ClothColliderError>) -> bool {
+    matches!(shown, Some(ClothColliderError::MeshNotLoaded(_)))
+}
+
+impl ClothMeshCollider {
+    /// The collider; `None` while the mesh is loading.
+    fn make(
+        &self,
+        mesh: Option<&Mesh3d>,
+        meshes: &Assets<Mesh>,
+        server: Option<&AssetServer>,
+    ) -> Result<Option<ClothCollider>, ClothColliderError> {
+        let handle = &mesh.ok_or(ClothColliderError::NoMesh)?.0;
+        let Some(mesh) = meshes.get(handle) else {
+            return match server.and_then(|server| server.get_load_state(handle)) {
+                Some(LoadState::Failed(reason)) => Err(ClothColliderError::MeshNotLoaded(reason.to_string())),
+                _ => Ok(None),
+            };
+        };
+        let collider = match self.shape {
+            ClothMeshShape::Surface => ClothCollider::from_mesh(mesh),
+            ClothMeshShape::Hull => ClothCollider::hull_of_mesh(mesh),
+        }?;
+        Ok(Some(collider.with_friction(self.friction).with_teleport_distance(self.teleport_distance)))
+    }
+}
+
+/// Takes the collider away with its description.
+pub(in crate::plugin) fn end(removed: On<Remove, ClothMeshCollider>, mut commands: Commands) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<(ClothCollider, ClothColliderError)>();
+    }
+}

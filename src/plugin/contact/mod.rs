@@ -1,0 +1,40 @@
+//! What cloth touches: colliders as components, and who touches whom.
+//!
+//! A [`ClothCollider`] ([`collider`], its forms in [`shapes`]; from a mesh asset by [`mesh`]) is scaled as its entity is
+//! ([`scale`]) and its way through the last ticks is kept ([`track`]). Before each step of a cloth, those near it ([`bounds`],
+//! [`give`]) that it may touch ([`layers`]) go to the physics, with the pose at the cloth's last step and the present one.
+//! After the step, the touches come back ([`touches`]).
+
+mod bounds;
+mod collider;
+mod error;
+mod give;
+mod hull;
+mod layers;
+mod mesh;
+mod scale;
+mod settings;
+mod shapes;
+mod surface;
+mod touches;
+mod track;
+
+pub use collider::ClothCollider;
+pub use error::{ClothColliderError, ClothShapeError};
+pub(super) use give::{Surroundings, give};
+pub use layers::{ClothCollidesWith, ClothLayers};
+pub use mesh::{ClothMeshCollider, ClothMeshShape};
+pub(super) use mesh::{end as end_mesh, shape_meshes};
+pub use settings::ClothContact;
+pub(super) use touches::tell;
+pub use touches::{ClothContacts, ClothTouch};
+#[cfg(feature = "debug")]
+pub(super) use track::Track;
+pub(super) use track::{end, track};
+
+use bevy::prelude::*;
+
+/// Whether there is a collider, or a cloth that still has one from before.
+pub(super) fn is_wanted(colliders: Query<(), With<ClothCollider>>, surroundings: Res<Surroundings>) -> bool {
+    !colliders.is_empty() || surroundings.held
+}

@@ -1,0 +1,90 @@
+//! Surfaces of triangles.
+
+use bevy::math::{IVec3, Vec3};
+use bevy::platform::collections::HashMap;
+use parry3d::shape::{SharedShape, TriMeshFlags};
+
+use super::error::ClothShapeError;
+use super::hull::finite;
+
+/// Vertices nearer than this share of the diagonal are one: they are split along seams of normals and texture coordinates.
+const WELD: f32 = 1e-5;
+
+/// A mesh of triangles, solid if it is closed.
+pub(super) fn surface(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<SharedShape, ClothShapeError> {
+    finite(vertices)?;
+    let count = vertices.len();
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
+            return Err(ClothShapeError::IndexOutOfRange { triangle, vertex, count });
+        }
+    }
+    let (places, place_of) = weld(vertices);
+    let welded = triangles.iter().map(|corners| corners.map(|vertex| place_of[vertex as usize]));
+    let triangles: Vec<_> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    let flags = if is_closed(&triangles) { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
+    SharedShape::trimesh_with_flags(places, triangles, flags).map_err(|_| ClothShapeError::Empty("triangles".into()))
+}
+
+/// The different places of vertices, and which of them each has.
+fn weld(vertices: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let min = vertices.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let max = vertices.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let distance = (WELD * (max - min).length()).max(f32::MIN_POSITIVE);
+    let mut cells: HashMap<IVec3, Vec<u32>> = HashMap::with_capacity(vertices.len());
+    let mut places: Vec<Vec3> = Vec::new();
+    let place_of = vertices.iter().map(|&vertex| {
+        // What is near is in this cell of twice the distance or in those on the nearer side of it.
+        let corner = ((vertex - min) / (2.0 * distance) - 0.5).floor().as_ivec3();
+        let around = (0..8).map(|i| corner + IVec3::new(i & 1, i >> 1 & 1, i >> 2));
+        let mut near = around.filter_map(|cell| cells.get(&cell)).flatten().copied();
+        near.find(|&place| places[place as usize].distance(vertex) <= distance).unwrap_or_else(|| {
+            let place = places.len() as u32;
+            places.push(vertex);
+            cells.entry(((vertex - min) / (2.0 * distance)).floor().as_ivec3()).or_default().push(place);
+            place
+        })
+    });
+    let place_of = place_of.collect();
+    (places, place_of)
+}
+
+/// Whether each edge is passed as often in one direction as in the other.
+fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut turns: HashMap<[u32; 2], i32> = HashMap::new();
+    for &[a, b, c] in triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            *turns.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+        }
+    }
+    turns.values().all(|&turns| turns == 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::prelude::{Cuboid, Mesh, MeshBuilder, Meshable, Plane3d, Sphere};
+
+    use crate::plugin::contact::ClothCollider;
+
+    #[test]
+    fn a_closed_mesh_is_solid_and_an_open_one_is_not() {
+        let is_inside = |mesh: Mesh, point: Vec3| {
+            let collider = ClothCollider::from_mesh(&mesh).expect("a shape");
+            collider.shape().contains_local_point(point)
+        };
+        let inside = Vec3::new(0.1, 0.05, 0.02);
+        assert!(is_inside(Sphere::new(0.5).mesh().uv(24, 12), inside), "with a seam and poles");
+        assert!(is_inside(Cuboid::from_length(0.5).into(), inside), "with normals of its own on each side");
+        assert!(!is_inside(Cuboid::from_length(0.5).into(), Vec3::new(0.3, 0.3, 0.3)), "off a corner");
+        let plane = || Plane3d::default().mesh().size(2.0, 2.0).build();
+        assert!(!is_inside(plane(), inside) && !is_inside(plane(), -inside), "either side of it is outside");
+    }
+
+    #[test]
+    fn vertices_at_a_place_are_one() {
+        let vertices = [Vec3::ZERO, Vec3::X, Vec3::splat(-4e-6), Vec3::X + 4e-6, Vec3::X + 1e-3];
+        let (places, place_of) = weld(&vertices);
+        assert_eq!((places.len(), place_of), (3, vec![0, 1, 0, 1, 2]));
+    }
+}

@@ -1,0 +1,153 @@
+//! Where a collider was in the last ticks.
+
+use std::collections::VecDeque;
+
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use parry3d::shape::SharedShape;
+
+use super::bounds::Bounds;
+use super::collider::ClothCollider;
+use super::error::{ClothColliderError, report};
+use super::give::Surroundings;
+use super::layers::ClothLayers;
+use super::scale::scaled;
+use crate::physics::Pose;
+use crate::plugin::budget::Keeper;
+use crate::plugin::state::usable;
+
+/// Ticks back that poses are kept: cloth takes steps of twelve ticks at most.
+const MEMORY: usize = 16;
+
+/// The scaled shape of a [`ClothCollider`], and its way through the last ticks.
+#[derive(Component, Default)]
+pub(in crate::plugin) struct Track {
+    /// `None` while the collider cannot be used.
+    sized: Option<Scaled>,
+    /// The present one first.
+    moments: VecDeque<Moment>,
+    /// Ticks since it last moved.
+    still: usize,
+    /// Around all moments.
+    reach: Option<Bounds>,
+}
+
+struct Scaled {
+    shape: SharedShape,
+    scale: Vec3,
+    /// Around the shape, in its own frame.
+    bounds: Bounds,
+}
+
+struct Moment {
+    pose: Pose,
+    /// Around the shape on its way to here from the moment before.
+    bounds: Bounds,
+}
+
+type Followed<'a> = (
+    NameOrEntity,
+    Ref<'a, ClothCollider>,
+    &'a mut Track,
+    Option<&'a ClothLayers>,
+    Option<&'a ClothColliderError>,
+    &'a GlobalTransform,
+);
+
+/// Follows every collider, and notes which may be near a cloth.
+pub(in crate::plugin) fn track(
+    mut commands: Commands,
+    transforms: TransformHelper,
+    mut surroundings: ResMut<Surroundings>,
+    mut keeper: ResMut<Keeper>,
+    mut colliders: Query<Followed>,
+) {
+    let start = Instant::now();
+    surroundings.clear();
+    for (name, collider, mut track, layers, shown, propagated) in &mut colliders {
+        // As it is now, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
+        let transform = transforms.compute_global_transform(name.entity).unwrap_or(*propagated);
+        let followed = track.follow(&collider, &transform);
+        if followed.is_err() {
+            *track = Track::default();
+        }
+        if let Some(reach) = track.reach {
+            surroundings.add(name.entity, layers.copied().unwrap_or_default(), reach);
+        }
+        report(&mut commands, &name, shown, followed.err());
+    }
+    keeper.spent.collect += start.elapsed();
+}
+
+impl Track {
+    /// The shape, scaled, where it is now; `None` while the collider cannot be used.
+    pub fn present(&self) -> Option<(&SharedShape, Pose)> {
+        Some((&self.sized.as_ref()?.shape, self.moments.front()?.pose))
+    }
+
+    /// Where it was so many ticks ago, or in the first tick that it is known in.
+    pub(super) fn pose_before(&self, ticks: u32) -> Option<Pose> {
+        Some(self.moments.get(ticks as usize).or(self.moments.back())?.pose)
+    }
+
+    /// Around the shape on its way through so many ticks.
+    pub(super) fn bounds_since(&self, ticks: u32) -> Option<Bounds> {
+        let (_, end) = self.present()?;
+        Some(self.sized.as_ref()?.bounds.swept(&self.pose_before(ticks)?, &end))
+    }
+
+    fn follow(&mut self, collider: &Ref<ClothCollider>, transform: &GlobalTransform) -> Result<(), ClothColliderError> {
+        collider.validate()?;
+        let affine = usable(transform).map_err(|_| ClothColliderError::Transform)?;
+        let (scale, rotation, translation) = affine.to_scale_rotation_translation();
+        let resized = self.resize(collider, scale.as_vec3())?;
+        self.move_to(Pose { translation, rotation: rotation.normalize() }, collider.teleport_distance.into(), resized);
+        Ok(())
+    }
+
+    /// Takes over another shape or scale; says whether it was another.
+    fn resize(&mut self, collider: &Ref<ClothCollider>, scale: Vec3) -> Result<bool, ClothColliderError> {
+        let same = |old: &Scaled| (old.scale - scale).abs().cmple(1e-4 * scale.abs()).all();
+        if !collider.is_changed() && self.sized.as_ref().is_some_and(same) {
+            return Ok(false);
+        }
+        let shape = collider.shape();
+        // What is not finite cannot be scaled either.
+        let bounds =
+            |shape: &SharedShape| Bounds::of_shape(&shape.compute_local_aabb()).ok_or(ClothColliderError::Shape);
+        bounds(shape)?;
+        let shape = scaled(shape, scale)
+            .ok_or_else(|| ClothColliderError::Scale { shape: format!("{:?}", shape.shape_type()), scale })?;
+        let bounds = bounds(&shape)?;
+        self.sized = Some(Scaled { shape, scale, bounds });
+        for moment in &mut self.moments {
+            moment.bounds = bounds.at(&moment.pose);
+        }
+        Ok(true)
+    }
+
+    fn move_to(&mut self, pose: Pose, teleport_distance: f64, resized: bool) {
+        let Some(sized) = &self.sized else { return };
+        let before = self.moments.front().map(|moment| moment.pose);
+        let jumped = |before: &Pose| before.translation.distance(pose.translation) > teleport_distance;
+        if before.as_ref().is_some_and(jumped) {
+            self.moments.clear();
+        }
+        let before = self.moments.front().map_or(pose, |moment| moment.pose);
+        self.still = if before == pose && !resized { self.still + 1 } else { 0 };
+        if self.still > MEMORY {
+            // All moments are alike.
+            return;
+        }
+        self.moments.truncate(MEMORY);
+        self.moments.push_front(Moment { pose, bounds: sized.bounds.swept(&before, &pose) });
+        self.reach = Some(self.moments.iter().fold(Bounds::EMPTY, |reach, moment| reach.and(moment.bounds)));
+    }
+}
+
+/// A collider that is none any more leaves nothing behind.
+pub(in crate::plugin) fn end(removed: On<Remove, ClothCollider>, mut commands: Commands) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<(Track, ClothColliderError)>();
+    }
+}
