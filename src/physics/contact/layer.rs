@@ -123,6 +123,7 @@ impl ContactLayer {
                     case: Case::Apart,
                     last: 0.0,
                     force: DVec3::ZERO,
+                    acted: DVec3::ZERO,
                 };
                 let mut slipping = None;
                 if let Some(memory) = self.recall(collider.id, vertex as u32) {
@@ -205,6 +206,13 @@ impl ContactLayer {
         wrong > WRONG * right
     }
 
+    /// Before a search from these points for a lower potential.
+    pub fn brace(&mut self, points: &[DVec3]) {
+        for touch in &mut self.touches {
+            touch.brace(touch.point(points));
+        }
+    }
+
     /// The case of every touch as its potential has it.
     pub fn choose(&mut self, points: &[DVec3]) {
         for touch in &mut self.touches {
@@ -221,10 +229,10 @@ impl ContactLayer {
     pub fn work(&self, x: &[DVec3], y: &[DVec3]) -> f64 {
         let done = |touch: &Touch| {
             let way = touch.point(y) - touch.point(x);
-            let along = touch.normal.dot(way) * touch.normal.dot(touch.force);
-            along.max(0.0) + (touch.force.dot(way) - along).max(0.0)
+            let along = touch.normal.dot(way) * touch.normal.dot(touch.acted);
+            along.max(0.0) + (touch.acted.dot(way) - along).max(0.0)
         };
-        self.touches.iter().filter(|touch| touch.is_active()).map(done).sum()
+        self.touches.iter().map(done).sum()
     }
 
     /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
@@ -253,9 +261,8 @@ impl ContactLayer {
 
     /// Takes what the potential says at these points for the forces of the substep.
     pub fn settle(&mut self, points: &[DVec3]) {
-        self.choose(points);
         for touch in &mut self.touches {
-            touch.force = touch.term(touch.point(points)).force;
+            touch.settle(touch.point(points));
         }
     }
 
