@@ -3,6 +3,7 @@
 mod analytic;
 mod assembly;
 mod bending;
+mod contact;
 mod derivatives;
 mod determinism;
 mod extremes;

@@ -80,6 +80,8 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
         air_drag: cloth.fabric().air_drag.into(),
         projection: Projection::PositivePart,
         drift: DVec3::ZERO,
+        inertia: None,
+        contacts: &[],
     };
     system.settle(&reached);
     system.assemble(&step, &masses);

@@ -2,6 +2,7 @@
 
 use bevy::math::DVec3;
 
+use super::ContactTerm;
 use crate::physics::math::{Padded, Scalar};
 
 /// How the stress is made safe in the geometric part of the Hessian.
@@ -49,6 +50,11 @@ pub struct ImplicitStep<'a> {
     pub projection: Projection,
     /// Translation t that the solution is relative to, m.
     pub drift: DVec3,
+    /// By vertex, if not 1 for all: factor of M in A and b. With (γ/Δt)² and y = xₙ + Δt vₙ a vertex takes a step of backward Euler
+    /// while the others take one of another scheme.
+    pub inertia: Option<&'a [f64]>,
+    /// Forces of contact, linearised at x.
+    pub contacts: &'a [ContactTerm],
 }
 
 impl<'a> ImplicitStep<'a> {
@@ -64,6 +70,8 @@ impl<'a> ImplicitStep<'a> {
             air_drag: 0.0,
             projection: Projection::PositivePart,
             drift: DVec3::ZERO,
+            inertia: None,
+            contacts: &[],
         }
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::math::DVec3;
 
 use super::batch::{self, Output};
+use super::contacts;
 use super::hinges::Hinges;
 use super::implicit_step::{ImplicitStep, Linearisation};
 use super::ordering::along;
@@ -154,6 +155,9 @@ impl<T: Scalar> System<T> {
         for_parts(pattern.parts(), diagonal, &|part: &Part, BySlice(diagonal)| {
             T::dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
         });
+        for term in step.contacts {
+            contacts::add(matrix, rhs, step, term);
+        }
     }
 }
 
@@ -166,8 +170,9 @@ fn pad(x: &[DVec3], points: &mut [Padded<f64>]) {
 /// What a vertex of this mass, with this elastic force on it, adds to the diagonal of A, and has as b.
 fn inertia(step: &ImplicitStep, vertex: usize, mass: f64, elastic: DVec3) -> (f64, DVec3) {
     let x = step.x[vertex];
-    let inertia = 1.0 + step.gamma * step.air_drag;
-    let carried = step.inertial[vertex] - x - step.gamma * step.air_drag * (x - step.origin[vertex]);
+    let factor = step.inertia.map_or(1.0, |factors| factors[vertex]);
+    let inertia = factor + step.gamma * step.air_drag;
+    let carried = factor * (step.inertial[vertex] - x) - step.gamma * step.air_drag * (x - step.origin[vertex]);
     let force = elastic + gravity::force(step.gravity, mass);
     (mass * inertia, mass * (carried - inertia * step.drift) + step.gamma * step.gamma * force)
 }

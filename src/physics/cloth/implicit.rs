@@ -8,6 +8,7 @@ use super::integrator::{Bdf2, Integrator, hesitation};
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, Projection, System};
+use crate::physics::contact::{Collider, Contact, ContactLayer};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Padded, Scalar};
 use crate::physics::mesh::RestShape;
@@ -33,6 +34,10 @@ pub(super) struct Implicit<T: Scalar> {
     pub energy_now: Option<f64>,
     /// Energy gained that nothing gave, and not lost again since, J.
     pub surplus: f64,
+
+    pub contact: ContactLayer,
+    /// See [`ImplicitStep::inertia`]; empty while nothing touches.
+    pub inertia: Vec<f64>,
 
     solution: Vec<Padded<T>>,
     /// Of a cloth without pins; else empty.
@@ -103,6 +108,8 @@ impl<T: Scalar> Implicit<T> {
             energy_now: None,
             surplus: 0.0,
             constraints: Constraints::default(),
+            contact: ContactLayer::new(fabric),
+            inertia: Vec::new(),
             system,
             solution: small_zeros,
             residual: Vec::new(),
@@ -180,11 +187,11 @@ impl<T: Scalar> Implicit<T> {
                 break;
             }
         }
-        Ok(())
+        self.follow_contact(linear, step, state, report)
     }
 
     /// Moves the point of linearisation to where the last solve led.
-    fn move_point(&mut self) {
+    pub fn move_point(&mut self) {
         let Self { system, point, moves, .. } = self;
         let moves = &moves[..];
         for_parts(system.matrix.pattern().parts(), &mut point[..], &|part: &Part, point| {
@@ -204,8 +211,11 @@ impl<T: Scalar> Implicit<T> {
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
         let start = Instant::now();
-        let Self { system, constraints, solver, solution, residual, inertial, origin, point, moves, .. } = self;
-        let (held, any_held) = (step.pins.held(), step.pins.any());
+        let Self { system, constraints, solver, contact, inertia, solution, residual, .. } = self;
+        let Self { inertial, origin, point, moves, .. } = self;
+        let (held, touching) = (step.pins.held(), contact.any_active());
+        // What touches is held by that: nothing else is known of its moves before the solve.
+        let any_held = step.pins.any() || touching;
         let mut implicit = ImplicitStep {
             x: point,
             inertial,
@@ -216,8 +226,10 @@ impl<T: Scalar> Implicit<T> {
             air_drag: linear.air_drag,
             projection: linear.projection,
             drift: DVec3::ZERO,
+            inertia: (!inertia.is_empty()).then_some(&inertia[..]),
+            contacts: contact.terms(point),
         };
-        implicit.drift = if guess == Guess::Downhill || (any_held && guess == Guess::Point) {
+        implicit.drift = if guess == Guess::Downhill || touching || (any_held && guess == Guess::Point) {
             DVec3::ZERO
         } else if any_held {
             let parts = system.matrix.pattern().parts();
@@ -245,6 +257,7 @@ impl<T: Scalar> Implicit<T> {
         let fall = if any_held { DVec3::ZERO } else { implicit.free_fall() };
         let guessed = |vertex: usize| {
             let free = match guess {
+                Guess::Inertia if inertia.get(vertex).is_some_and(|&factor| factor != 1.0) => DVec3::ZERO,
                 Guess::Inertia => implicit.inertial_move(vertex) + fall - implicit.drift,
                 Guess::Point | Guess::Downhill => -implicit.drift,
             };
@@ -289,7 +302,7 @@ impl<T: Scalar> Implicit<T> {
     /// Where the moves lead.
     fn finish(&mut self, scheme: Scheme, step: Step, state: &State) {
         let dt = step.dt;
-        let Self { system, origin, point, moves, candidate, .. } = self;
+        let Self { system, inertia, origin, point, moves, candidate, .. } = self;
         let lead = |vertex: usize| {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
             if let Some(waypoint) = step.pins.waypoint(vertex) {
@@ -297,6 +310,9 @@ impl<T: Scalar> Implicit<T> {
                 return (waypoint, (waypoint - x) / dt);
             }
             let reached = point[vertex] + moves[vertex];
+            if inertia.get(vertex).is_some_and(|&factor| factor != 1.0) {
+                return (reached, (point[vertex] - x + moves[vertex]) / dt);
+            }
             match scheme {
                 // Not `reached - x`, in which the digits of a small move are lost.
                 Scheme::BackwardEuler | Scheme::Change => (reached, (point[vertex] - x + moves[vertex]) / dt),
@@ -310,7 +326,7 @@ impl<T: Scalar> Implicit<T> {
                 (positions[i], velocities[i]) = lead(vertex);
             }
         });
-        if matches!(scheme, Scheme::Change) && !step.pins.any() {
+        if matches!(scheme, Scheme::Change) && !step.pins.any() && self.contact.is_empty() {
             self.centre_on_trapezoid(step, state);
         }
     }
@@ -337,11 +353,22 @@ impl<T: Scalar> Implicit<T> {
 impl<T: Scalar> Engine for Implicit<T> {
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
         // First, as a solve changes the turns of mid-edge normals, and with them the energy.
-        let checked = self.checked(step, state);
-        let (scheme, newton_steps) = self.scheme(step.dt);
+        let mut checked = self.checked(step, state);
+        let (mut scheme, newton_steps) = self.scheme(step.dt);
+        let touching = self.find_contact(step, state, report);
+        if touching && matches!(scheme, Scheme::Midpoint) {
+            scheme = Scheme::BackwardEuler;
+        }
         let linear = self.predict(scheme, step.dt, state);
-        let solved = self.iterate(linear, newton_steps, step, state, report).map(|()| self.finish(scheme, step, state));
-        let energy = match solved.ok().and_then(|()| self.acceptable(&checked, step, state, report)) {
+        if touching {
+            self.slow_down_touching(linear.gamma, step, state);
+            self.start_at_planes();
+        }
+        let solved = self.iterate(linear, newton_steps, step, state, report).map(|()| {
+            self.finish(scheme, step, state);
+            self.guard(step, state, report);
+        });
+        let energy = match solved.ok().and_then(|()| self.acceptable(&mut checked, step, state, report)) {
             Some(energy) => {
                 self.history.dt = Some(step.dt);
                 energy
@@ -352,9 +379,15 @@ impl<T: Scalar> Engine for Implicit<T> {
                 // Where the step would have led must not be in the energy it started with.
                 self.settle(&state.positions);
                 let checked = self.checked(step, state);
-                self.fall_back(checked, step, state, report)?
+                let energy = self.fall_back(checked, step, state, report)?;
+                if self.guard(step, state, report) {
+                    self.system.energy(&self.candidate.positions).total()
+                } else {
+                    energy
+                }
             }
         };
+        self.contact.remember(&step.around);
         self.energy_now = Some(energy);
         core::mem::swap(state, &mut self.candidate);
         // `candidate` holds the state before this step now: next time it is history.
@@ -368,6 +401,7 @@ impl<T: Scalar> Engine for Implicit<T> {
 
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.system.set_fabric(shape, fabric);
+        self.contact.set_fabric(fabric);
         self.damping = fabric.damping.into();
         self.air_drag = fabric.air_drag.into();
         self.energy_now = None;
@@ -377,7 +411,12 @@ impl<T: Scalar> Engine for Implicit<T> {
         self.settings = *settings;
     }
 
+    fn contacts(&self, colliders: &[Collider]) -> Vec<Contact> {
+        self.contact.show(&self.history.state.positions, colliders)
+    }
+
     fn restart(&mut self) {
+        self.contact.forget();
         self.history.dt = None;
         self.surplus = 0.0;
         self.energy_now = None;

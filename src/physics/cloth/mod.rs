@@ -9,6 +9,7 @@ mod quality;
 mod rigid;
 mod safeguard;
 mod settings;
+mod touching;
 
 use core::time::Duration;
 
@@ -26,7 +27,7 @@ pub use settings::{Precision, SettingsError, SolverSettings};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;
-use crate::physics::contact::{Collider, Contact, ContactSettings};
+use crate::physics::contact::{Collider, Contact, ContactSettings, Surroundings};
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
 use crate::physics::solve::SolveError;
@@ -91,6 +92,8 @@ pub struct StepReport {
     pub fallbacks: u32,
     /// Substeps after which velocities were scaled down, so that no energy is gained.
     pub velocity_clamps: u32,
+    /// Solves of substeps in which contact was wrong at first.
+    pub contact_solves: u32,
     /// Vertices that ended inside a collider and were moved out of it.
     pub rescues: u32,
     /// Time spent on finding contacts.
@@ -322,7 +325,10 @@ impl Cloth {
 
     /// Where the cloth touched colliders in the last step.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> {
-        core::iter::empty()
+        self.engine.contacts(&self.colliders).into_iter().map(|contact| Contact {
+            vertices: contact.vertices.map(|vertex| self.ordering.outer[vertex as usize]),
+            ..contact
+        })
     }
 
     /// Advances by `dt` seconds; 0 does nothing.
@@ -335,6 +341,7 @@ impl Cloth {
             iterations: 0,
             fallbacks: 0,
             velocity_clamps: 0,
+            contact_solves: 0,
             rescues: 0,
             contact: Duration::ZERO,
             assembly: Duration::ZERO,
@@ -359,18 +366,23 @@ impl Cloth {
             return Err(ClothFault::TimeStep);
         }
         let substeps = self.settings.substeps.max(1);
-        let Self { ordering, gravity, inner_masses, mass, state, pins, engine, .. } = self;
+        let Self { ordering, gravity, inner_masses, mass, state, pins, colliders, contact_settings, engine, .. } = self;
+        let share = |done| f64::from(done) / f64::from(substeps);
         in_pool(ordering.part_starts.len(), || {
             (1..=substeps).rev().try_for_each(|remaining| {
                 pins.advance(&state.positions, remaining);
                 let dt = dt / f64::from(substeps);
-                engine.step(
-                    engine::Step { dt, gravity: *gravity, masses: inner_masses, mass: *mass, pins },
-                    state,
-                    report,
-                )
+                let done = substeps - remaining;
+                let around =
+                    Surroundings { colliders, settings: *contact_settings, from: share(done), to: share(done + 1) };
+                let step = engine::Step { dt, gravity: *gravity, masses: inner_masses, mass: *mass, pins, around };
+                engine.step(step, state, report)
             })
-        })
+        })?;
+        for collider in &mut self.colliders {
+            collider.start = collider.end;
+        }
+        Ok(())
     }
 
     /// Energy by term.

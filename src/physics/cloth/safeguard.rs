@@ -72,9 +72,16 @@ impl<T: Scalar> Implicit<T> {
     }
 
     /// The elastic energy of the candidate, if it is finite and within the budget, slowed down a little if need be.
-    pub fn acceptable(&mut self, budget: &Budget, step: Step, state: &State, report: &mut StepReport) -> Option<f64> {
+    pub fn acceptable(
+        &mut self,
+        budget: &mut Budget,
+        step: Step,
+        state: &State,
+        report: &mut StepReport,
+    ) -> Option<f64> {
         let elastic = self.system.energy(&self.candidate.positions).total();
         let end = self.potential(step, state, elastic);
+        budget.start += self.contact.work(&state.positions, &self.candidate.positions);
         // Not a number is no less than the budget either.
         let within = end <= budget.start + budget.tolerance;
         (within && self.slow_down(LEAST_KINETIC, budget, elastic, step, state, report)).then_some(elastic)
@@ -93,11 +100,14 @@ impl<T: Scalar> Implicit<T> {
         for (y, (&x, &v)) in self.inertial.iter_mut().zip(state.positions.iter().zip(&state.velocities)) {
             *y = x + dt * v;
         }
-        let mut reached = (budget.start, budget.elastic);
+        self.inertia.clear();
+        self.contact.choose(&self.point);
+        let mut reached = (budget.start + self.contact.potential(&self.point), budget.elastic);
         if !budget.start.is_finite() {
             return Err(ClothFault::NotFinite);
         }
-        if !step.pins.any() {
+        let flying = !step.pins.any() && self.contact.is_empty();
+        if flying {
             self.carry_on(step, state);
             self.candidate.positions.copy_from_slice(&self.point);
             reached.0 = self.potential(step, state, budget.elastic);
@@ -106,6 +116,7 @@ impl<T: Scalar> Implicit<T> {
         let linear =
             Linear { gamma: dt, projection: Projection::PositivePart, damping: 0.0, air_drag: 0.0, pin_share: 1.0 };
         for newton in 0..NEWTON_STEPS {
+            self.contact.choose(&self.point);
             match self.solve(linear, Guess::Downhill, step, state, report) {
                 Ok(()) => {}
                 Err(ClothFault::Solver) => self.descend_by_diagonal(step),
@@ -132,7 +143,7 @@ impl<T: Scalar> Implicit<T> {
             reached = lower;
         }
         let elastic = reached.1;
-        if !step.pins.any() {
+        if flying {
             self.carry_on(step, state);
         }
         let Self { point, candidate, .. } = self;
@@ -140,6 +151,8 @@ impl<T: Scalar> Implicit<T> {
         for (v, (&new, &old)) in candidate.velocities.iter_mut().zip(point.iter().zip(&state.positions)) {
             *v = (new - old) / dt;
         }
+        self.contact.settle(&self.candidate.positions);
+        budget.start += self.contact.work(&state.positions, &self.candidate.positions);
         self.slow_down(0.0, &budget, elastic, step, state, report);
         Ok(elastic)
     }
@@ -186,7 +199,7 @@ impl<T: Scalar> Implicit<T> {
                 *c = self.point[vertex] + share * d;
             }
             let elastic = self.system.energy(&self.candidate.positions).total();
-            let lower = self.potential(step, state, elastic);
+            let lower = self.potential(step, state, elastic) + self.contact.potential(&self.candidate.positions);
             if lower <= phi + DECREASE * share * slope.min(0.0) + if share < LEAST_SHARE { 0.0 } else { slack } {
                 return Some((lower, elastic));
             }

@@ -1,0 +1,94 @@
+//! What contact changes about a step.
+//!
+//! Vertices that touch take a step of backward Euler, whatever the others take: by BDF2, which continues the motion of two
+//! steps, what is stopped by a surface would go back at half its speed.
+
+use bevy::platform::time::Instant;
+
+use super::engine::Step;
+use super::implicit::{Guess, Implicit, Linear};
+use super::{ClothFault, State, StepReport};
+use crate::physics::contact::Moving;
+use crate::physics::math::Scalar;
+
+/// Solves beyond the first, at most, in which touches are let go, found or begin to slip.
+const CONTACT_STEPS: u32 = 2;
+
+fn moving<'a>(step: &Step<'a>, state: &'a State) -> Moving<'a> {
+    Moving {
+        x: &state.positions,
+        v: &state.velocities,
+        held: step.pins.held(),
+        masses: step.masses,
+        gravity: step.gravity,
+        dt: step.dt,
+    }
+}
+
+impl<T: Scalar> Implicit<T> {
+    /// Finds the touches of the step, and says whether there are any.
+    pub fn find_contact(&mut self, step: Step, state: &State, report: &mut StepReport) -> bool {
+        self.inertia.clear();
+        if step.around.colliders.is_empty() {
+            self.contact.forget();
+            return false;
+        }
+        let start = Instant::now();
+        self.contact.detect(&step.around, &moving(&step, state));
+        report.contact += start.elapsed();
+        !self.contact.is_empty()
+    }
+
+    /// Lets what touches take a step of backward Euler.
+    pub fn slow_down_touching(&mut self, gamma: f64, step: Step, state: &State) {
+        let Self { contact, inertia, inertial, .. } = self;
+        inertia.resize(state.positions.len(), 1.0);
+        let factor = gamma * gamma / (step.dt * step.dt);
+        for vertex in contact.touched().filter(|&vertex| !step.pins.held()[vertex]) {
+            inertia[vertex] = factor;
+            inertial[vertex] = state.positions[vertex] + step.dt * state.velocities[vertex];
+        }
+    }
+
+    /// Linearises what touches where contact will have it.
+    pub fn start_at_planes(&mut self) {
+        let Self { contact, inertial, point, .. } = self;
+        for vertex in contact.touched() {
+            point[vertex] = inertial[vertex];
+        }
+        contact.project(point);
+    }
+
+    /// Judges contact by the last solve, and solves again where it was wrong.
+    pub fn follow_contact(
+        &mut self,
+        linear: Linear,
+        step: Step,
+        state: &State,
+        report: &mut StepReport,
+    ) -> Result<(), ClothFault> {
+        if self.contact.is_empty() {
+            return Ok(());
+        }
+        for solves in 0.. {
+            let Self { contact, point, moves, .. } = self;
+            let again = contact.judge(|vertex| point[vertex] + moves[vertex]);
+            if !again || solves == CONTACT_STEPS {
+                break;
+            }
+            report.contact_solves += 1;
+            self.slow_down_touching(linear.gamma, step, state);
+            self.move_point();
+            self.solve(linear, Guess::Point, step, state, report)?;
+        }
+        Ok(())
+    }
+
+    /// Moves out what of the candidate ended inside a collider all the same; says whether there was anything.
+    pub fn guard(&mut self, step: Step, state: &State, report: &mut StepReport) -> bool {
+        let Self { contact, candidate: State { positions, velocities }, .. } = self;
+        let rescued = contact.guard(&step.around, &moving(&step, state), positions, velocities);
+        report.rescues += rescued;
+        rescued > 0
+    }
+}

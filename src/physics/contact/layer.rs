@@ -1,0 +1,340 @@
+//! All touches of a cloth: found before a step, remembered after it.
+
+use bevy::math::DVec3;
+
+use super::collider::{Collider, Contact, ContactSettings};
+use super::meeting::Body;
+use super::touch::{Case, Touch};
+use crate::physics::assembly::ContactTerm;
+use crate::physics::material::Fabric;
+
+/// Stiffness of a touch over that of inertia in a step, m/Δt², and over that of the fabric.
+const OVER_INERTIA: f64 = 4.0;
+const GIVE: f64 = 0.05;
+const OVER_FABRIC: f64 = 0.05;
+/// Points are watched which come as near as so many thicknesses.
+const REACH: f64 = 2.0;
+
+/// Share of the forces of contact that may be wrong.
+const WRONG: f64 = 0.1;
+
+/// What the touches need to know of a substep. All vertices are numbered as the engine does.
+#[derive(Clone, Copy)]
+pub(crate) struct Surroundings<'a> {
+    pub colliders: &'a [Collider],
+    pub settings: ContactSettings,
+    /// The substep as shares of the way of the colliders.
+    pub from: f64,
+    pub to: f64,
+}
+
+/// State of the substep that touches are found for.
+pub(crate) struct Moving<'a> {
+    pub x: &'a [DVec3],
+    pub v: &'a [DVec3],
+    pub held: &'a [bool],
+    pub masses: &'a [f64],
+    pub gravity: DVec3,
+    pub dt: f64,
+}
+
+/// The touches of one cloth.
+#[derive(Default)]
+pub(crate) struct ContactLayer {
+    touches: Vec<Touch>,
+    /// Those of the substep before, by collider and vertex.
+    memory: Vec<Memory>,
+    /// Room that untouched vertices near a collider have: the vertex, and how far it may end from where it was looked for, m.
+    watched: Vec<(u32, f64)>,
+    terms: Vec<ContactTerm>,
+    /// Stiffness of the fabric, N/m.
+    fabric: f64,
+}
+
+/// What is remembered of a touch.
+#[derive(Clone, Copy)]
+struct Memory {
+    collider: u64,
+    vertex: u32,
+    normal_force: f64,
+    before: f64,
+    /// In the frame of the collider.
+    friction: DVec3,
+    slipping: Option<DVec3>,
+}
+
+/// Where a vertex would go if nothing but gravity acted on it.
+fn free(moving: &Moving, vertex: usize) -> DVec3 {
+    moving.x[vertex] + moving.dt * (moving.v[vertex] + moving.dt * moving.gravity)
+}
+
+impl ContactLayer {
+    pub fn new(fabric: &Fabric) -> Self {
+        let mut layer = Self::default();
+        layer.set_fabric(fabric);
+        layer
+    }
+
+    /// Changes the fabric, which says how stiff contact must be.
+    pub fn set_fabric(&mut self, fabric: &Fabric) {
+        self.fabric = f64::from(fabric.warp_stiffness.max(fabric.weft_stiffness));
+    }
+
+    /// Finds the touches of a substep.
+    pub fn detect(&mut self, around: &Surroundings, moving: &Moving) {
+        self.touches.clear();
+        self.watched.clear();
+        let thickness = around.settings.thickness;
+        let reach = REACH * thickness;
+        for (index, collider) in around.colliders.iter().enumerate() {
+            let body = Body::new(collider, around.from, around.to);
+            let friction = (collider.friction * around.settings.friction).sqrt();
+            for vertex in 0..moving.x.len() {
+                if moving.held[vertex] {
+                    continue;
+                }
+                let (x, y) = (moving.x[vertex], free(moving, vertex));
+                let meeting = match body.meet(x, y, thickness, reach, moving.dt) {
+                    Ok(meeting) => meeting,
+                    Err(room) => {
+                        if room < reach + x.distance(y) {
+                            self.watched.push((vertex as u32, room));
+                        }
+                        continue;
+                    }
+                };
+                let mass = moving.masses[vertex];
+                let inertia = mass / (moving.dt * moving.dt);
+                let mut touch = Touch {
+                    vertices: [vertex as u32; 3],
+                    weights: [1.0, 0.0, 0.0],
+                    collider: index as u32,
+                    normal: meeting.normal,
+                    offset: meeting.offset,
+                    surface: meeting.surface,
+                    carried: meeting.carried,
+                    stiffness: 0.0,
+                    lambda: 0.0,
+                    tau: DVec3::ZERO,
+                    pressing: inertia * (meeting.offset - meeting.normal.dot(y)).max(0.0),
+                    friction,
+                    case: Case::Apart,
+                    last: 0.0,
+                    force: DVec3::ZERO,
+                };
+                let mut slipping = None;
+                if let Some(memory) = self.recall(collider.id, vertex as u32) {
+                    let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
+                    // The force of an impact would throw the vertex off again: what lasts is in two steps.
+                    touch.lambda = memory.normal_force.min(memory.before);
+                    touch.last = memory.normal_force;
+                    touch.pressing = memory.normal_force;
+                    let friction_force = tangential(body.turn(memory.friction));
+                    touch.tau = friction_force.clamp_length_max(touch.friction * touch.lambda);
+                    slipping = memory.slipping.and_then(|way| tangential(body.turn(way)).try_normalize());
+                }
+                // As stiff as its force needs, so that what is loaded lightly is let go and found again smoothly: of the step
+                // before, or to stop what comes in, with the fabric that pulls it.
+                let inertial = x + moving.dt * moving.v[vertex];
+                let coming = (touch.offset - touch.normal.dot(inertial)).max(0.0);
+                let load = touch.last.max(inertia * coming);
+                let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
+                touch.stiffness = pulled + (OVER_INERTIA * inertia).max(load / (GIVE * thickness));
+                // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
+                touch.choose(if touch.last > 0.0 { y } else { inertial });
+                touch.stay(slipping, inertial);
+                self.touches.push(touch);
+            }
+        }
+    }
+
+    fn recall(&self, collider: u64, vertex: u32) -> Option<&Memory> {
+        let found = self.memory.binary_search_by_key(&(collider, vertex), |m| (m.collider, m.vertex));
+        found.ok().map(|i| &self.memory[i])
+    }
+
+    /// Whether nothing is near.
+    pub fn is_empty(&self) -> bool {
+        self.touches.is_empty()
+    }
+
+    /// Vertices of touches that have a force; some more than once.
+    pub fn touched(&self) -> impl Iterator<Item = usize> {
+        self.touches.iter().filter(|touch| touch.is_active()).flat_map(|touch| {
+            let corners = touch.vertices.iter().zip(touch.weights);
+            corners.filter(|&(_, weight)| weight != 0.0).map(|(&vertex, _)| vertex as usize)
+        })
+    }
+
+    /// Puts vertices that touch onto their planes, those that stick where they stick.
+    pub fn project(&self, points: &mut [DVec3]) {
+        for touch in self.touches.iter().filter(|touch| touch.is_active() && touch.weights[0] == 1.0) {
+            let x = &mut points[touch.vertices[0] as usize];
+            if touch.case == Case::Stick {
+                let way = touch.carried - *x;
+                *x += way - touch.normal.dot(way) * touch.normal;
+            }
+            *x += (touch.offset - touch.normal.dot(*x)) * touch.normal;
+        }
+    }
+
+    /// Whether any touch has a force.
+    pub fn any_active(&self) -> bool {
+        self.touches.iter().any(Touch::is_active)
+    }
+
+    /// The terms of A and b, linearised at these points.
+    pub fn terms(&mut self, points: &[DVec3]) -> &[ContactTerm] {
+        let Self { touches, terms, .. } = self;
+        terms.clear();
+        terms.extend(touches.iter().filter(|touch| touch.is_active()).map(|touch| touch.term(touch.point(points))));
+        terms
+    }
+
+    /// Judges every touch by where a solve led. Says whether so much of the forces was wrong that it must be solved again: a few
+    /// touches that were will be right in the next step.
+    pub fn judge(&mut self, points: impl Fn(usize) -> DVec3) -> bool {
+        let (mut wrong, mut right) = (0.0, 0.0);
+        for touch in &mut self.touches {
+            let x = touch.at(&points);
+            wrong += touch.judge(x);
+            right += touch.force.length();
+        }
+        wrong > WRONG * right
+    }
+
+    /// The case of every touch as its potential has it.
+    pub fn choose(&mut self, points: &[DVec3]) {
+        for touch in &mut self.touches {
+            touch.choose(touch.point(points));
+        }
+    }
+
+    /// Potential of all touches, J.
+    pub fn potential(&self, points: &[DVec3]) -> f64 {
+        self.touches.iter().map(|touch| touch.potential(touch.point(points))).sum()
+    }
+
+    /// Work that colliders did on the cloth on its way from `x` to `y`, counting none that they took, J.
+    pub fn work(&self, x: &[DVec3], y: &[DVec3]) -> f64 {
+        let done = |touch: &Touch| {
+            let way = touch.point(y) - touch.point(x);
+            let along = touch.normal.dot(way) * touch.normal.dot(touch.force);
+            along.max(0.0) + (touch.force.dot(way) - along).max(0.0)
+        };
+        self.touches.iter().filter(|touch| touch.is_active()).map(done).sum()
+    }
+
+    /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
+    pub fn guard(&self, around: &Surroundings, moving: &Moving, end: &mut [DVec3], velocities: &mut [DVec3]) -> u32 {
+        if self.touches.is_empty() && self.watched.is_empty() {
+            return 0;
+        }
+        let mut rescued = 0;
+        let bodies: Vec<_> = around.colliders.iter().map(|c| Body::new(c, around.from, around.to)).collect();
+        let touched =
+            self.touches.iter().filter(|touch| touch.weights[0] == 1.0).map(|touch| (touch.vertices[0], -1.0));
+        for (vertex, room) in touched.chain(self.watched.iter().copied()) {
+            let vertex = vertex as usize;
+            if end[vertex].distance(free(moving, vertex)) < room {
+                continue;
+            }
+            for body in &bodies {
+                let Ok(meeting) = body.meet(moving.x[vertex], end[vertex], 0.0, 0.0, moving.dt) else { continue };
+                let depth = meeting.offset - meeting.normal.dot(end[vertex]);
+                if depth > 0.0 {
+                    rescued += 1;
+                    end[vertex] += depth * meeting.normal;
+                    let surface = (meeting.carried - moving.x[vertex]) / moving.dt;
+                    let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);
+                    velocities[vertex] -= inwards * meeting.normal;
+                }
+            }
+        }
+        rescued
+    }
+
+    /// Takes what the potential says at these points for the forces of the substep.
+    pub fn settle(&mut self, points: &[DVec3]) {
+        self.choose(points);
+        for touch in &mut self.touches {
+            touch.force = touch.term(touch.point(points)).force;
+        }
+    }
+
+    /// What a user sees of the touches that have a force, with the cloth at these points.
+    pub fn show(&self, points: &[DVec3], colliders: &[Collider]) -> Vec<Contact> {
+        let contact = |touch: &Touch| {
+            let x = touch.point(points);
+            let above = touch.normal.dot(x) - touch.surface;
+            Contact {
+                vertices: touch.vertices,
+                weights: touch.weights,
+                collider: colliders.get(touch.collider as usize).map_or(0, |collider| collider.id),
+                point: x - above * touch.normal,
+                normal: touch.normal,
+                force: touch.force,
+            }
+        };
+        self.touches.iter().filter(|touch| touch.is_active()).map(contact).collect()
+    }
+
+    /// Remembers the touches for the next substep.
+    pub fn remember(&mut self, around: &Surroundings) {
+        self.memory.clear();
+        let mut body: Option<(u32, Body)> = None;
+        for touch in self.touches.iter().filter(|touch| touch.is_active()) {
+            let collider = &around.colliders[touch.collider as usize];
+            if body.as_ref().is_none_or(|(index, _)| *index != touch.collider) {
+                body = Some((touch.collider, Body::new(collider, around.from, around.to)));
+            }
+            let Some((_, body)) = &body else { continue };
+            let normal_force = touch.normal.dot(touch.force);
+            self.memory.push(Memory {
+                collider: collider.id,
+                vertex: touch.vertices[0],
+                normal_force,
+                before: touch.last,
+                friction: body.turn_back(touch.force - normal_force * touch.normal),
+                slipping: if let Case::Slip(way) = touch.case { Some(body.turn_back(way)) } else { None },
+            });
+        }
+        self.memory.sort_by_key(|memory| (memory.collider, memory.vertex));
+    }
+
+    /// Forgets everything: the cloth was put elsewhere.
+    pub fn forget(&mut self) {
+        self.touches.clear();
+        self.watched.clear();
+        self.memory.clear();
+    }
+}
+
+impl Touch {
+    /// Its point of the cloth.
+    fn at(&self, points: impl Fn(usize) -> DVec3) -> DVec3 {
+        if self.weights[0] == 1.0 {
+            return points(self.vertices[0] as usize);
+        }
+        self.vertices.iter().zip(self.weights).map(|(&vertex, weight)| weight * points(vertex as usize)).sum()
+    }
+
+    pub fn point(&self, points: &[DVec3]) -> DVec3 {
+        self.at(|vertex| points[vertex])
+    }
+
+    /// Keeps the case of friction of the step before where that has not ended: what slips goes on, and what stuck is tried to
+    /// stick.
+    fn stay(&mut self, slipping: Option<DVec3>, y: DVec3) {
+        if !self.is_active() || self.last == 0.0 {
+            return;
+        }
+        self.case = match slipping {
+            Some(way) if (y - self.carried).dot(way) > 0.0 => match self.case {
+                Case::Slip(now) => Case::Slip(now),
+                _ => Case::Slip(way),
+            },
+            _ => Case::Stick,
+        };
+    }
+}

@@ -1,0 +1,159 @@
+//! Where a point meets a collider in a step.
+
+use bevy::math::{DMat3, DVec3};
+
+use super::collider::{Collider, Pose};
+use super::surface::{Nearest, Surface};
+
+/// Share of what a point is too close to a collider that it may go away from it in a step, and how fast at most, m/s. What is
+/// pushed out at once would fly off.
+const RECOVERY: f64 = 0.02;
+const RECOVERY_SPEED: f64 = 0.5;
+/// Cosine of the angle between the surface where it is entered and where it is nearest, above which the nearest counts.
+const SAME_SIDE: f64 = 0.5;
+
+/// A collider in one substep.
+pub(super) struct Body<'a> {
+    surface: Surface<'a>,
+    start: Frame,
+    end: Frame,
+}
+
+/// A pose whose rotation is a matrix: points are many, poses few.
+struct Frame {
+    translation: DVec3,
+    rotation: DMat3,
+}
+
+impl Frame {
+    fn new(pose: &Pose) -> Self {
+        Self { translation: pose.translation, rotation: DMat3::from_quat(pose.rotation.normalize()) }
+    }
+
+    fn place(&self, local: DVec3) -> DVec3 {
+        self.translation + self.rotation * local
+    }
+
+    fn local(&self, world: DVec3) -> DVec3 {
+        self.rotation.transpose() * (world - self.translation)
+    }
+}
+
+/// The plane that keeps a point out of a collider at the end of the step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// Outward unit normal.
+    pub normal: DVec3,
+    /// The point x stays where `normal·x ≥ offset`, m.
+    pub offset: f64,
+    /// Where normal·x is on the surface, m.
+    pub surface: f64,
+    /// Where the point would be if it stuck to the collider, m.
+    pub carried: DVec3,
+}
+
+impl<'a> Body<'a> {
+    /// For the part of the step between these shares of it.
+    pub fn new(collider: &'a Collider, from: f64, to: f64) -> Self {
+        let pose = |share| Frame::new(&collider.start.towards(&collider.end, share));
+        Self { surface: Surface::new(&collider.shape), start: pose(from), end: pose(to) }
+    }
+
+    /// Turns a vector from the frame of the collider at the start into the world at the end.
+    pub fn turn(&self, vector: DVec3) -> DVec3 {
+        self.end.rotation * vector
+    }
+
+    /// Turns a vector from the world at the end into the frame of the collider.
+    pub fn turn_back(&self, vector: DVec3) -> DVec3 {
+        self.end.rotation.transpose() * vector
+    }
+
+    /// The nearest point of the surface at the end of the step, for a point of the world.
+    #[cfg(test)]
+    pub fn nearest(&self, x: DVec3) -> Nearest {
+        self.surface.nearest(self.end.local(x))
+    }
+
+    /// The meeting with a point that goes from `x` to about `y`, if it comes closer than `reach`; it keeps `thickness` (all m).
+    /// Otherwise the distance there is room for.
+    pub fn meet(&self, x: DVec3, y: DVec3, thickness: f64, reach: f64, dt: f64) -> Result<Meeting, f64> {
+        let to = self.end.local(y);
+        let mut nearest = self.surface.nearest(to);
+        let from = self.start.local(x);
+        let way = from.distance(to);
+        // What is further from the surface than it goes has not met it.
+        if nearest.distance > reach && nearest.distance >= way {
+            return Err(nearest.distance - reach);
+        }
+        let before = self.surface.nearest(from);
+        let outside = before.distance > 0.0;
+        if outside
+            && (nearest.distance <= 0.0 || way >= nearest.distance + before.distance)
+            && let Some((share, normal)) = self.surface.first_hit(from, to)
+            && !(nearest.normal.dot(normal) > SAME_SIDE && nearest.distance <= 0.0)
+        {
+            let distance = normal.dot(to - from) * (1.0 - share);
+            nearest = Nearest { distance: distance.min(0.0), normal };
+        }
+        if nearest.distance > reach {
+            return Err(nearest.distance - reach);
+        }
+        let missing = thickness - before.distance;
+        let gap = if missing > 0.0 {
+            before.distance + missing * RECOVERY.min(RECOVERY_SPEED * dt / missing)
+        } else {
+            thickness
+        };
+        let normal = self.end.rotation * nearest.normal;
+        let surface = normal.dot(y) - nearest.distance;
+        Ok(Meeting { normal, offset: surface + gap, surface, carried: self.end.place(from) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::DQuat;
+    use parry3d::shape::SharedShape;
+
+    use super::*;
+
+    #[test]
+    fn a_fast_point_meets_the_side_that_it_came_from() {
+        let wall = Collider::fixed(0, SharedShape::cuboid(1.0, 1.0, 0.005), Pose::IDENTITY, 0.5);
+        let body = Body::new(&wall, 0.0, 1.0);
+        let meeting = body.meet(DVec3::Z * 0.3, DVec3::Z * -0.5, 0.003, 0.006, 0.016).unwrap();
+        assert!(meeting.normal.distance(DVec3::Z) < 1e-12 && (meeting.offset - 0.008).abs() < 1e-12, "{meeting:?}");
+    }
+
+    #[test]
+    fn a_fast_collider_meets_a_point_at_rest() {
+        let (start, end) = (Pose::at(DVec3::new(0.0, 1.0, 0.0)), Pose::at(DVec3::new(0.0, -1.0, 0.0)));
+        let ball = Collider { start, end, ..Collider::fixed(0, SharedShape::ball(0.1), start, 0.5) };
+        let body = Body::new(&ball, 0.0, 1.0);
+        let meeting = body.meet(DVec3::ZERO, DVec3::ZERO, 0.003, 0.006, 0.016).unwrap();
+        // Carried before the ball: below where it ends.
+        assert!(meeting.normal.distance(DVec3::NEG_Y) < 1e-9 && (meeting.offset - 1.103).abs() < 1e-9, "{meeting:?}");
+        assert!(meeting.carried.distance(DVec3::new(0.0, -2.0, 0.0)) < 1e-12);
+    }
+
+    #[test]
+    fn what_begins_inside_comes_out_slowly() {
+        let ball = Collider::fixed(0, SharedShape::ball(0.5), Pose::IDENTITY, 0.5);
+        let body = Body::new(&ball, 0.0, 1.0);
+        let x = DVec3::new(0.2, 0.0, 0.0);
+        let meeting = body.meet(x, x, 0.003, 0.006, 0.01).unwrap();
+        assert!((meeting.offset - (0.2 + 0.005)).abs() < 1e-12, "{meeting:?}");
+        assert!((body.nearest(x).distance + 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_turning_collider_carries_what_sticks_to_it() {
+        let turned = Pose { rotation: DQuat::from_rotation_y(0.2), ..Pose::IDENTITY };
+        let disc =
+            Collider { end: turned, ..Collider::fixed(0, SharedShape::cylinder(0.01, 1.0), Pose::IDENTITY, 0.5) };
+        let x = DVec3::new(0.5, 0.012, 0.0);
+        let meeting = Body::new(&disc, 0.0, 1.0).meet(x, x, 0.003, 0.006, 0.016).unwrap();
+        assert!(meeting.carried.distance(turned.rotation * x) < 1e-12 && meeting.normal.y > 0.999);
+    }
+}

@@ -1,0 +1,240 @@
+//! The force of a touch: an augmented Lagrangian of Coulomb's law.
+//!
+//! Along the normal n acts `N = λ + k (o − n·x)`, where it pushes, and along the surface friction `T = τ − k u`, where
+//! `|T| ≤ μ N`, with u the slip since the step began. λ and τ are the forces of the step before (Simo & Laursen 1992): so at rest
+//! nothing has to be displaced for a force to be there, however soft the springs, and nothing creeps. Which of the cases holds for
+//! a touch is decided where the step is linearised and judged again by where it leads.
+
+use bevy::math::{DMat3, DVec3};
+
+use crate::physics::assembly::ContactTerm;
+
+/// Share of the thickness that may be missing to what was not in touch.
+const DEEP: f64 = 0.3;
+
+/// Which case of the law holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Case {
+    /// No force.
+    Apart,
+    /// Nothing slips.
+    Stick,
+    /// Slips along this unit vector: friction is at its limit.
+    Slip(DVec3),
+}
+
+/// A point of the cloth at a plane.
+#[derive(Clone, Debug)]
+pub(super) struct Touch {
+    /// The vertex, or three of a triangle with their weights.
+    pub vertices: [u32; 3],
+    pub weights: [f64; 3],
+    /// Index of the collider.
+    pub collider: u32,
+    /// n.
+    pub normal: DVec3,
+    /// o, m.
+    pub offset: f64,
+    /// Where n·x is on the surface itself, m.
+    pub surface: f64,
+    /// Where u is counted from, m.
+    pub carried: DVec3,
+    /// k, N/m.
+    pub stiffness: f64,
+    /// λ, N.
+    pub lambda: f64,
+    /// τ, N.
+    pub tau: DVec3,
+    /// N that the limit of friction is counted with, N: it lags behind.
+    pub pressing: f64,
+    /// μ.
+    pub friction: f64,
+    pub case: Case,
+    /// N of the step before, N.
+    pub last: f64,
+    /// N and T together, once solved for, N.
+    pub force: DVec3,
+}
+
+impl Touch {
+    /// N if it could pull, with the point at `x`.
+    pub fn normal_force(&self, x: DVec3) -> f64 {
+        self.lambda + self.stiffness * (self.offset - self.normal.dot(x))
+    }
+
+    /// u.
+    fn slip(&self, x: DVec3) -> DVec3 {
+        let way = x - self.carried;
+        way - self.normal.dot(way) * self.normal
+    }
+
+    /// T if there were no limit.
+    fn trial(&self, x: DVec3) -> DVec3 {
+        self.tau - self.stiffness * self.slip(x)
+    }
+
+    fn limit(&self) -> f64 {
+        self.friction * self.pressing
+    }
+
+    /// Whether it has a force.
+    pub fn is_active(&self) -> bool {
+        self.case != Case::Apart
+    }
+
+    /// The case at `x`, which depends on nothing else: that of a potential.
+    pub fn choose(&mut self, x: DVec3) {
+        self.case = if self.normal_force(x) <= 0.0 {
+            Case::Apart
+        } else {
+            let trial = self.trial(x);
+            if trial.length() <= self.limit() { Case::Stick } else { Case::Slip(-trial.normalize()) }
+        };
+    }
+
+    /// Force on the cloth with the point at `x`, and what it falls by when the point moves on.
+    fn law(&self, x: DVec3) -> (DVec3, DMat3) {
+        let outer = |a: DVec3| DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+        let along_normal = outer(self.normal);
+        let tangential = DMat3::IDENTITY - along_normal;
+        let (friction, stiffness) = match self.case {
+            Case::Apart => return (DVec3::ZERO, DMat3::ZERO),
+            Case::Stick => (self.trial(x), self.stiffness * tangential),
+            Case::Slip(way) => {
+                // Turning with the way of slip, the limit acts across it like a spring.
+                let across = self.limit() / self.slip(x).length().max(f64::MIN_POSITIVE);
+                (-self.limit() * way, across.min(self.stiffness) * (tangential - outer(way)))
+            }
+        };
+        (self.normal_force(x) * self.normal + friction, self.stiffness * along_normal + stiffness)
+    }
+
+    /// Its part in A and b, linearised with the point at `x`.
+    pub fn term(&self, x: DVec3) -> ContactTerm {
+        let (force, stiffness) = self.law(x);
+        ContactTerm { vertices: self.vertices, weights: self.weights, force, stiffness }
+    }
+
+    /// Takes note of where the solve led, and says how much force was wrong because another case holds there, N.
+    pub fn judge(&mut self, x: DVec3) -> f64 {
+        let normal = self.normal_force(x);
+        let case = self.case;
+        let wrong = if normal <= 0.0 {
+            self.case = Case::Apart;
+            if case == Case::Apart { 0.0 } else { -normal }
+        } else {
+            self.pressing = normal;
+            match case {
+                Case::Apart => {
+                    self.choose(x);
+                    // What is not yet near the surface itself may wait for the next step.
+                    let missing = self.offset - self.normal.dot(x);
+                    if missing > DEEP * (self.offset - self.surface) { normal } else { 0.0 }
+                }
+                Case::Stick => {
+                    let trial = self.trial(x);
+                    if trial.length() > self.limit() {
+                        self.case = Case::Slip(-trial.normalize());
+                    }
+                    (trial.length() - self.limit()).max(0.0)
+                }
+                Case::Slip(way) => {
+                    if self.slip(x).dot(way) < 0.0 {
+                        self.case = Case::Stick;
+                        2.0 * self.limit()
+                    } else {
+                        0.0
+                    }
+                }
+            }
+        };
+        let normal = normal.max(0.0);
+        self.force = match self.case {
+            Case::Apart => DVec3::ZERO,
+            Case::Stick => normal * self.normal + self.trial(x).clamp_length_max(self.friction * normal),
+            Case::Slip(way) => normal * self.normal - self.friction * normal * way,
+        };
+        wrong
+    }
+
+    /// Potential of its force at `x`, J.
+    pub fn potential(&self, x: DVec3) -> f64 {
+        let normal = self.normal_force(x).max(0.0);
+        let (trial, limit) = (self.trial(x).length(), self.limit());
+        let friction = if normal == 0.0 {
+            0.0
+        } else if trial <= limit {
+            0.5 * trial * trial
+        } else {
+            limit * (trial - 0.5 * limit)
+        };
+        (0.5 * normal * normal + friction) / self.stiffness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touch() -> Touch {
+        Touch {
+            vertices: [0; 3],
+            weights: [1.0, 0.0, 0.0],
+            collider: 0,
+            normal: DVec3::Y,
+            offset: 0.003,
+            surface: 0.0,
+            carried: DVec3::new(0.1, 0.003, 0.0),
+            stiffness: 100.0,
+            lambda: 0.02,
+            tau: DVec3::new(0.004, 0.0, 0.0),
+            pressing: 0.02,
+            friction: 0.5,
+            case: Case::Stick,
+            last: 0.0,
+            force: DVec3::ZERO,
+        }
+    }
+
+    /// The force is minus the gradient of the potential, and the stiffness minus the gradient of the force, in every case.
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let places =
+            [DVec3::new(0.10001, 0.00299, 0.00002), DVec3::new(0.102, 0.0028, 0.001), DVec3::new(0.1, 0.004, 0.0)];
+        let cases = places.map(|x| {
+            let mut touch = touch();
+            touch.choose(x);
+            let term = touch.term(x);
+            let h = 1e-8;
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                let difference = (touch.potential(x - h * axis) - touch.potential(x + h * axis)) / (2.0 * h);
+                // Friction has no potential along the normal: its limit lags.
+                assert!((difference - term.force.dot(axis)).abs() < 1e-6, "{x}: {difference} {}", term.force);
+                if touch.case == Case::Stick {
+                    let bend = (touch.term(x - h * axis).force - touch.term(x + h * axis).force) / (2.0 * h);
+                    assert!(bend.distance(term.stiffness * axis) < 1e-3, "{bend}");
+                }
+            }
+            touch.case
+        });
+        assert_eq!(cases[0], Case::Stick);
+        assert!(matches!(cases[1], Case::Slip(_)));
+        assert_eq!(cases[2], Case::Apart);
+    }
+
+    #[test]
+    fn what_pulls_is_let_go_and_what_slips_back_sticks() {
+        let mut pulled = touch();
+        assert!(pulled.judge(DVec3::new(0.1, 0.004, 0.0)) > 0.0 && pulled.case == Case::Apart);
+        let mut dragged = touch();
+        assert!(dragged.judge(DVec3::new(0.11, 0.003, 0.0)) > 0.9);
+        let Case::Slip(way) = dragged.case else { panic!("{:?}", dragged.case) };
+        assert!(way.distance(DVec3::X) < 1e-12);
+        assert!((dragged.force - DVec3::new(-0.01, 0.02, 0.0)).length() < 1e-12, "{}", dragged.force);
+        let mut back = Touch { case: Case::Slip(DVec3::X), ..touch() };
+        assert!(back.judge(DVec3::new(0.099, 0.003, 0.0)) > 0.0 && back.case == Case::Stick);
+        let mut resting = touch();
+        assert!(resting.judge(DVec3::new(0.1, 0.003, 0.0)) == 0.0 && resting.case == Case::Stick);
+        assert!((resting.force - DVec3::new(0.004, 0.02, 0.0)).length() < 1e-12);
+    }
+}
