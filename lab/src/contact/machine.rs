@@ -46,7 +46,7 @@ pub fn press() -> Vec<Row> {
     rows
 }
 
-/// A paddle of 3 cm that turns ten times a second and reaches 6 cm through a hanging sheet: little enough not to wind it up,
+/// A paddle of 3 cm that turns ten times a second and reaches 5 cm through a hanging sheet: little enough not to wind it up,
 /// which nothing could hold.
 pub fn paddle() -> Vec<Row> {
     let half = DVec3::new(0.25, 0.2, 0.015);
