@@ -29,13 +29,15 @@
 //! 2. [`physics::energy`]: one file per energy, written over a number type: one number, or eight elements side by side.
 //! 3. [`physics::assembly`]: vertices in an order that suits the solver, elements in batches → the system A d = b of an implicit
 //!    step.
-//! 4. [`physics::solve`]: solvers of that system.
-//! 5. [`physics::Cloth`]: state and step. All of `physics` works without an App.
-//! 6. [`plugin`]: the ECS side: reads meshes, carries transforms and pins in, steps all cloths, writes meshes back; it says
+//! 4. [`physics::contact`]: where vertices meet colliders, and the forces of that as terms of A and b.
+//! 5. [`physics::solve`]: solvers of that system.
+//! 6. [`physics::Cloth`]: state and step. All of `physics` works without an App.
+//! 7. [`plugin`]: the ECS side: reads meshes, carries transforms and pins in, steps all cloths, writes meshes back; it says
 //!    which system runs when.
 //!
 //! A new energy goes beside [`physics::energy::membrane`], a new solver or preconditioner beside
-//! [`physics::solve::ConjugateGradient`], a new fabric into [`physics::material`].
+//! [`physics::solve::ConjugateGradient`], a new fabric into [`physics::material`], a
+//! shape with a closed form into `surface.rs` of [`physics::contact`].
 
 #![warn(missing_docs)]
 

@@ -1,6 +1,7 @@
 //! The physics, free of any ECS: a mesh in, [`Cloth::step`], positions out.
 //!
-//! mesh → [`mesh`] (rest shape) → [`assembly`] (A and b from the [`energy`] files) → [`solve`] (A d = b) → [`cloth`] (state).
+//! mesh → [`mesh`] (rest shape) → [`assembly`] (A and b from the [`energy`] files and from [`contact`]) → [`solve`] (A d = b) →
+//! [`cloth`] (state).
 
 pub mod assembly;
 pub mod cloth;

@@ -46,25 +46,18 @@ pub fn press() -> Vec<Row> {
     rows
 }
 
-/// A paddle of 3 cm that turns ten times a second in a hanging sheet.
+/// A paddle of 3 cm that turns ten times a second and reaches 5 cm through a hanging sheet: little enough not to wind it up,
+/// which nothing could hold.
 pub fn paddle() -> Vec<Row> {
     let half = DVec3::new(0.25, 0.2, 0.015);
     let pose = |time: f64| Pose {
-        translation: DVec3::Z * 0.15,
+        translation: DVec3::Z * 0.2,
         rotation: DQuat::from_rotation_y(core::f64::consts::TAU * TURNS * time),
     };
     let body = Body::moving(Solid::Cuboid { half }, 0.3, pose);
     let cloth = upright(SIDE, |x| (x.x == 0.0 || x.x > 0.999) && x.z == 0.0);
-    // Beyond the circle of the paddle at first.
-    let positions: Vec<_> = cloth.positions().iter().map(|&x| x - DVec3::Z * 0.15).collect();
-    let mut cloth = cloth;
-    let held: Vec<_> = cloth.pinned().map(|(vertex, _)| vertex).collect();
-    cloth.set_state(&positions, &vec![DVec3::Z * 2.0; positions.len()]);
-    for vertex in held {
-        cloth.pin(vertex, positions[vertex as usize]);
-    }
     let mut trial = Trial::new(cloth, vec![body], DT);
-    trial.run(2.0);
+    trial.run(1.0);
     let mut rows = trial.rows("paddle");
     rows.push(trial.energy_row("paddle"));
     rows

@@ -2,8 +2,12 @@
 
 use bevy::math::DVec3;
 use bevy_cloth::parry3d::math::{Pose, Vector};
-use bevy_cloth::parry3d::shape::{Ball, SharedShape, TriMeshFlags};
+use bevy_cloth::parry3d::query::PointQuery;
+use bevy_cloth::parry3d::shape::{Ball, HeightField, SharedShape, TriMeshFlags};
 use bevy_cloth::parry3d::utils::Array2;
+
+/// From here on the distance of a mesh is that of its box, m.
+const FAR: f64 = 0.1;
 
 /// A shape in its own frame, m.
 #[derive(Clone)]
@@ -31,8 +35,13 @@ pub enum Solid {
     Compound(Vec<(DVec3, Solid)>),
     /// A closed mesh whose triangles face outwards.
     Mesh(SharedShape),
-    /// An open surface, with ground below it.
-    Ground(SharedShape),
+    /// An open surface, with ground below it: a heightfield, and its triangles to measure with, which are found sooner.
+    Ground {
+        /// As the physics takes it.
+        heights: SharedShape,
+        /// The same surface.
+        triangles: SharedShape,
+    },
 }
 
 impl Solid {
@@ -57,7 +66,10 @@ impl Solid {
         for (row, column) in (0..=cells).flat_map(|row| (0..=cells).map(move |column| (row, column))) {
             heights[(row, column)] = height(place(column), place(row)) as f32;
         }
-        Self::Ground(SharedShape::heightfield(heights, Vector::new(side as f32, 1.0, side as f32)))
+        let heights = HeightField::new(heights, Vector::new(side as f32, 1.0, side as f32));
+        let (vertices, triangles) = heights.to_trimesh();
+        let triangles = SharedShape::trimesh(vertices, triangles).expect("a heightfield is a valid mesh");
+        Self::Ground { heights: SharedShape::new(heights), triangles }
     }
 
     /// As the physics takes it.
@@ -73,7 +85,7 @@ impl Solid {
             Self::Compound(parts) => SharedShape::compound(
                 parts.iter().map(|(place, part)| (Pose::from_translation(vector(*place)), part.shape())).collect(),
             ),
-            Self::Mesh(shape) | Self::Ground(shape) => shape.clone(),
+            Self::Mesh(shape) | Self::Ground { heights: shape, .. } => shape.clone(),
         }
     }
 
@@ -95,12 +107,18 @@ impl Solid {
                 distances.fold(f64::INFINITY, f64::min)
             }
             Self::Mesh(shape) => {
-                let projection = shape.project_local_point(vector(point), false);
+                // Outside of all of it, the distance of its box is no more than its own, and soon known.
+                let to_box = f64::from(shape.compute_local_aabb().distance_to_local_point(vector(point), true));
+                if to_box > FAR {
+                    return to_box;
+                }
+                // Only with the feature asked for, it has an inside.
+                let (projection, _) = shape.project_local_point_and_get_feature(vector(point));
                 let distance = f64::from((projection.point - vector(point)).length());
                 if projection.is_inside { -distance } else { distance }
             }
-            Self::Ground(shape) => {
-                let offset = vector(point) - shape.project_local_point(vector(point), false).point;
+            Self::Ground { triangles, .. } => {
+                let offset = vector(point) - triangles.project_local_point(vector(point), false).point;
                 f64::from(offset.length()).copysign(f64::from(offset.y))
             }
         }
@@ -113,7 +131,7 @@ impl Solid {
             Self::Cuboid { half } => 0.5 * half.min_element(),
             Self::HalfSpace => 0.05,
             Self::Compound(parts) => parts.iter().map(|(_, part)| part.core()).fold(f64::INFINITY, f64::min),
-            Self::Mesh(shape) | Self::Ground(shape) => {
+            Self::Mesh(shape) | Self::Ground { heights: shape, .. } => {
                 0.25 * f64::from(shape.compute_local_aabb().half_extents().min_element())
             }
         }

@@ -7,6 +7,9 @@ use super::body::Body;
 use super::depth;
 use super::row::{Row, Wanted};
 
+/// Vertices may be this deep, mm: the shapes are in f32, which rounds places to a part of that.
+pub const ROUNDING: f64 = 1e-3;
+
 /// A cloth and bodies, and the worst of what was seen of them.
 pub struct Trial {
     /// The cloth.
@@ -16,6 +19,8 @@ pub struct Trial {
     /// s.
     pub time: f64,
     dt: f64,
+    steps: u32,
+    look_every: u32,
     seen: Seen,
     energy: Balance,
 }
@@ -81,7 +86,12 @@ impl Trial {
             turnover: 0.0,
             gain: 0.0,
         };
-        Self { cloth, bodies, time: 0.0, dt, seen, energy }
+        Self { cloth, bodies, time: 0.0, dt, steps: 0, look_every: 1, seen, energy }
+    }
+
+    /// Measures depths after every so many steps only: for shapes whose distances take longer than the steps.
+    pub fn looking_every(self, steps: u32) -> Self {
+        Self { look_every: steps, ..self }
     }
 
     /// What was seen so far.
@@ -101,9 +111,12 @@ impl Trial {
         let before = self.cloth.positions().to_vec();
         let report = step(&mut self.cloth, self.dt);
         self.time = span[1];
+        self.steps += 1;
         let Self { cloth, bodies, seen, .. } = self;
-        seen.vertex_depth = seen.vertex_depth.max(depth::vertices(cloth, bodies, span[1]));
-        seen.face_depth = seen.face_depth.max(depth::faces(cloth, bodies, span[1]));
+        if self.steps.is_multiple_of(self.look_every) {
+            seen.vertex_depth = seen.vertex_depth.max(depth::vertices(cloth, bodies, span[1]));
+            seen.face_depth = seen.face_depth.max(depth::faces(cloth, bodies, span[1]));
+        }
         seen.passed += depth::passed(cloth, &before, bodies, span);
         let finite = cloth.positions().iter().chain(cloth.velocities()).all(|x| x.is_finite());
         seen.failed += u32::from(report.outcome != StepOutcome::Accepted || !finite);
@@ -175,7 +188,7 @@ impl Trial {
         let row = |what: &str, measured, wanted| Row::new(scene, what, measured, wanted);
         let depth = 1e3 * seen.vertex_depth;
         vec![
-            row("vertex depth/mm", depth, Wanted::AtMost(0.0)),
+            row("vertex depth/mm", depth, Wanted::AtMost(ROUNDING)),
             row("face depth/mm", 1e3 * seen.face_depth, Wanted::AtMost(1e3 * thickness)),
             row("in the layer/mm", (depth + 1e3 * thickness).max(0.0), Wanted::Known),
             row("passed through", seen.passed.into(), Wanted::AtMost(0.0)),

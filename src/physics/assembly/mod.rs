@@ -4,8 +4,8 @@
 //! holds their values, in [`group`]s of eight rows; `triangles` and `hinges` run the energies over batches of elements and
 //! add into precomputed slots, `hinges` with the moments of `mid_edges` unless the cloth bends by hinges alone; [`System`] puts A and b together; [`Constraints`] take the pinned vertices out.
 //!
-//! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`. One that feels a translation, as contact
-//! with the world does, puts its part of the diagonal there itself, as inertia does: see `row_sums`.
+//! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`. One that feels a translation puts its
+//! part of the diagonal there itself, as `contacts` does: see `row_sums`.
 
 mod batch;
 pub mod block_csr;

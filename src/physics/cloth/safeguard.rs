@@ -101,7 +101,7 @@ impl<T: Scalar> Implicit<T> {
             *y = x + dt * v;
         }
         self.inertia.clear();
-        self.contact.choose(&self.point);
+        self.contact.brace(&self.point);
         let mut reached = (budget.start + self.contact.potential(&self.point), budget.elastic);
         if !budget.start.is_finite() {
             return Err(ClothFault::NotFinite);

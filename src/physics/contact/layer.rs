@@ -12,6 +12,8 @@ use crate::physics::material::Fabric;
 const OVER_INERTIA: f64 = 4.0;
 const GIVE: f64 = 0.05;
 const OVER_FABRIC: f64 = 0.05;
+/// Share of the thickness that what was rescued is away from the surface.
+const MARGIN: f64 = 0.05;
 /// Points are watched which come as near as so many thicknesses.
 const REACH: f64 = 2.0;
 
@@ -44,8 +46,8 @@ pub(crate) struct ContactLayer {
     touches: Vec<Touch>,
     /// Those of the substep before, by collider and vertex.
     memory: Vec<Memory>,
-    /// Room that untouched vertices near a collider have: the vertex, and how far it may end from where it was looked for, m.
-    watched: Vec<(u32, f64)>,
+    /// By vertex: how far it may end from where it was looked for without being inside anything, m.
+    room: Vec<f64>,
     terms: Vec<ContactTerm>,
     /// Stiffness of the fabric, N/m.
     fabric: f64,
@@ -83,7 +85,8 @@ impl ContactLayer {
     /// Finds the touches of a substep.
     pub fn detect(&mut self, around: &Surroundings, moving: &Moving) {
         self.touches.clear();
-        self.watched.clear();
+        self.room.clear();
+        self.room.resize(moving.x.len(), f64::INFINITY);
         let thickness = around.settings.thickness;
         let reach = REACH * thickness;
         for (index, collider) in around.colliders.iter().enumerate() {
@@ -97,12 +100,11 @@ impl ContactLayer {
                 let meeting = match body.meet(x, y, thickness, reach, moving.dt) {
                     Ok(meeting) => meeting,
                     Err(room) => {
-                        if room < reach + x.distance(y) {
-                            self.watched.push((vertex as u32, room));
-                        }
+                        self.room[vertex] = self.room[vertex].min(room);
                         continue;
                     }
                 };
+                self.room[vertex] = 0.0;
                 let mass = moving.masses[vertex];
                 let inertia = mass / (moving.dt * moving.dt);
                 let mut touch = Touch {
@@ -121,6 +123,7 @@ impl ContactLayer {
                     case: Case::Apart,
                     last: 0.0,
                     force: DVec3::ZERO,
+                    acted: DVec3::ZERO,
                 };
                 let mut slipping = None;
                 if let Some(memory) = self.recall(collider.id, vertex as u32) {
@@ -203,6 +206,13 @@ impl ContactLayer {
         wrong > WRONG * right
     }
 
+    /// Before a search from these points for a lower potential.
+    pub fn brace(&mut self, points: &[DVec3]) {
+        for touch in &mut self.touches {
+            touch.brace(touch.point(points));
+        }
+    }
+
     /// The case of every touch as its potential has it.
     pub fn choose(&mut self, points: &[DVec3]) {
         for touch in &mut self.touches {
@@ -219,32 +229,27 @@ impl ContactLayer {
     pub fn work(&self, x: &[DVec3], y: &[DVec3]) -> f64 {
         let done = |touch: &Touch| {
             let way = touch.point(y) - touch.point(x);
-            let along = touch.normal.dot(way) * touch.normal.dot(touch.force);
-            along.max(0.0) + (touch.force.dot(way) - along).max(0.0)
+            let along = touch.normal.dot(way) * touch.normal.dot(touch.acted);
+            along.max(0.0) + (touch.acted.dot(way) - along).max(0.0)
         };
-        self.touches.iter().filter(|touch| touch.is_active()).map(done).sum()
+        self.touches.iter().map(done).sum()
     }
 
     /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
     pub fn guard(&self, around: &Surroundings, moving: &Moving, end: &mut [DVec3], velocities: &mut [DVec3]) -> u32 {
-        if self.touches.is_empty() && self.watched.is_empty() {
-            return 0;
-        }
         let mut rescued = 0;
         let bodies: Vec<_> = around.colliders.iter().map(|c| Body::new(c, around.from, around.to)).collect();
-        let touched =
-            self.touches.iter().filter(|touch| touch.weights[0] == 1.0).map(|touch| (touch.vertices[0], -1.0));
-        for (vertex, room) in touched.chain(self.watched.iter().copied()) {
-            let vertex = vertex as usize;
-            if end[vertex].distance(free(moving, vertex)) < room {
+        let margin = MARGIN * around.settings.thickness;
+        for (vertex, &room) in self.room.iter().enumerate() {
+            if moving.held[vertex] || end[vertex].distance_squared(free(moving, vertex)) < room * room {
                 continue;
             }
             for body in &bodies {
                 let Ok(meeting) = body.meet(moving.x[vertex], end[vertex], 0.0, 0.0, moving.dt) else { continue };
-                let depth = meeting.offset - meeting.normal.dot(end[vertex]);
+                let depth = meeting.surface - meeting.normal.dot(end[vertex]);
                 if depth > 0.0 {
                     rescued += 1;
-                    end[vertex] += depth * meeting.normal;
+                    end[vertex] += (depth + margin) * meeting.normal;
                     let surface = (meeting.carried - moving.x[vertex]) / moving.dt;
                     let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);
                     velocities[vertex] -= inwards * meeting.normal;
@@ -256,9 +261,8 @@ impl ContactLayer {
 
     /// Takes what the potential says at these points for the forces of the substep.
     pub fn settle(&mut self, points: &[DVec3]) {
-        self.choose(points);
         for touch in &mut self.touches {
-            touch.force = touch.term(touch.point(points)).force;
+            touch.settle(touch.point(points));
         }
     }
 
@@ -305,7 +309,7 @@ impl ContactLayer {
     /// Forgets everything: the cloth was put elsewhere.
     pub fn forget(&mut self) {
         self.touches.clear();
-        self.watched.clear();
+        self.room.clear();
         self.memory.clear();
     }
 }

@@ -123,7 +123,7 @@ mod tests {
         let wall = Collider::fixed(0, SharedShape::cuboid(1.0, 1.0, 0.005), Pose::IDENTITY, 0.5);
         let body = Body::new(&wall, 0.0, 1.0);
         let meeting = body.meet(DVec3::Z * 0.3, DVec3::Z * -0.5, 0.003, 0.006, 0.016).unwrap();
-        assert!(meeting.normal.distance(DVec3::Z) < 1e-12 && (meeting.offset - 0.008).abs() < 1e-12, "{meeting:?}");
+        assert!(meeting.normal.distance(DVec3::Z) < 1e-12 && (meeting.offset - 0.008).abs() < 1e-8, "{meeting:?}");
     }
 
     #[test]
@@ -133,7 +133,7 @@ mod tests {
         let body = Body::new(&ball, 0.0, 1.0);
         let meeting = body.meet(DVec3::ZERO, DVec3::ZERO, 0.003, 0.006, 0.016).unwrap();
         // Carried before the ball: below where it ends.
-        assert!(meeting.normal.distance(DVec3::NEG_Y) < 1e-9 && (meeting.offset - 1.103).abs() < 1e-9, "{meeting:?}");
+        assert!(meeting.normal.distance(DVec3::NEG_Y) < 1e-9 && (meeting.offset - 1.103).abs() < 1e-8, "{meeting:?}");
         assert!(meeting.carried.distance(DVec3::new(0.0, -2.0, 0.0)) < 1e-12);
     }
 

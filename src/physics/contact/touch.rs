@@ -54,6 +54,8 @@ pub(super) struct Touch {
     pub last: f64,
     /// N and T together, once solved for, N.
     pub force: DVec3,
+    /// What acted in the solve: with the limit of friction that was known then, N.
+    pub acted: DVec3,
 }
 
 impl Touch {
@@ -109,6 +111,20 @@ impl Touch {
         (self.normal_force(x) * self.normal + friction, self.stiffness * along_normal + stiffness)
     }
 
+    /// Leaves friction to what pushes already, so that the potential is continuous where a touch begins.
+    pub fn brace(&mut self, x: DVec3) {
+        if self.normal_force(x) <= 0.0 {
+            self.pressing = 0.0;
+        }
+    }
+
+    /// Takes the force at `x` as it is for that of the step.
+    pub fn settle(&mut self, x: DVec3) {
+        self.choose(x);
+        self.force = self.law(x).0;
+        self.acted = self.force;
+    }
+
     /// Its part in A and b, linearised with the point at `x`.
     pub fn term(&self, x: DVec3) -> ContactTerm {
         let (force, stiffness) = self.law(x);
@@ -119,6 +135,7 @@ impl Touch {
     pub fn judge(&mut self, x: DVec3) -> f64 {
         let normal = self.normal_force(x);
         let case = self.case;
+        self.acted = self.law(x).0;
         let wrong = if normal <= 0.0 {
             self.case = Case::Apart;
             if case == Case::Apart { 0.0 } else { -normal }
@@ -193,6 +210,7 @@ mod tests {
             case: Case::Stick,
             last: 0.0,
             force: DVec3::ZERO,
+            acted: DVec3::ZERO,
         }
     }
 
