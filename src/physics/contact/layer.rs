@@ -65,6 +65,15 @@ struct Memory {
     slipping: Option<DVec3>,
 }
 
+/// Box of the ways of all vertices, m.
+fn ways(moving: &Moving) -> (DVec3, DVec3) {
+    let nowhere = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    (0..moving.x.len()).fold(nowhere, |(low, high), vertex| {
+        let (x, y) = (moving.x[vertex], free(moving, vertex));
+        (low.min(x).min(y), high.max(x).max(y))
+    })
+}
+
 /// Where a vertex would go if nothing but gravity acted on it.
 fn free(moving: &Moving, vertex: usize) -> DVec3 {
     moving.x[vertex] + moving.dt * (moving.v[vertex] + moving.dt * moving.gravity)
@@ -87,10 +96,17 @@ impl ContactLayer {
         self.touches.clear();
         self.room.clear();
         self.room.resize(moving.x.len(), f64::INFINITY);
+        let (low, high) = ways(moving);
         let thickness = around.settings.thickness;
         let reach = REACH * thickness;
+        let mut closest = f64::INFINITY;
         for (index, collider) in around.colliders.iter().enumerate() {
             let body = Body::new(collider, around.from, around.to);
+            let apart = body.distance_to_box(low, high);
+            if apart > reach {
+                closest = closest.min(apart - reach);
+                continue;
+            }
             let friction = (collider.friction * around.settings.friction).sqrt();
             for vertex in 0..moving.x.len() {
                 if moving.held[vertex] {
@@ -148,6 +164,9 @@ impl ContactLayer {
                 touch.stay(slipping, inertial);
                 self.touches.push(touch);
             }
+        }
+        for room in &mut self.room {
+            *room = room.min(closest);
         }
     }
 

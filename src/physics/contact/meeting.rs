@@ -17,6 +17,8 @@ pub(super) struct Body<'a> {
     surface: Surface<'a>,
     start: Frame,
     end: Frame,
+    /// Box that the collider is in at the start and at the end, m; `None` if it has no end.
+    bounds: Option<(DVec3, DVec3)>,
 }
 
 /// A pose whose rotation is a matrix: points are many, poses few.
@@ -56,7 +58,20 @@ impl<'a> Body<'a> {
     /// For the part of the step between these shares of it.
     pub fn new(collider: &'a Collider, from: f64, to: f64) -> Self {
         let pose = |share| Frame::new(&collider.start.towards(&collider.end, share));
-        Self { surface: Surface::new(&collider.shape), start: pose(from), end: pose(to) }
+        let (start, end) = (pose(from), pose(to));
+        let surface = Surface::new(&collider.shape);
+        let bounds = (!matches!(surface, Surface::HalfSpace { .. })).then(|| {
+            let sphere = collider.shape.compute_local_aabb().bounding_sphere();
+            let (centre, radius) = (sphere.center.as_dvec3(), DVec3::splat(sphere.radius.into()));
+            let (a, b) = (start.place(centre), end.place(centre));
+            (a.min(b) - radius, a.max(b) + radius)
+        });
+        Self { surface, start, end, bounds }
+    }
+
+    /// How far the collider stays from a box at least, m; 0 if that is not known.
+    pub fn distance_to_box(&self, low: DVec3, high: DVec3) -> f64 {
+        self.bounds.map_or(0.0, |(a, b)| (low - b).max(a - high).max_element().max(0.0))
     }
 
     /// Turns a vector from the frame of the collider at the start into the world at the end.

@@ -1,7 +1,7 @@
 //! Distances to shapes, in their own frame: closed forms in f64 for the simple ones, parry for the rest.
 
 use bevy::math::DVec3;
-use parry3d::query::Ray;
+use parry3d::query::{PointQuery, Ray};
 use parry3d::shape::{Shape, SharedShape, TypedShape};
 
 /// The point of a surface that is nearest to another point.
@@ -65,7 +65,12 @@ impl<'a> Surface<'a> {
             Self::HalfSpace { normal } => Nearest { distance: normal.dot(p), normal },
             Self::Cuboid { half } => nearest_of_cuboid(p, half),
             Self::Solid(shape) | Self::Shell(shape) => {
-                let found = shape.project_local_point(p.as_vec3(), false);
+                let point = p.as_vec3();
+                let found = match shape.as_typed_shape() {
+                    // Only so are the pseudo-normals asked which side is inside.
+                    TypedShape::TriMesh(mesh) => mesh.project_local_point_and_get_feature(point).0,
+                    _ => shape.project_local_point(point, false),
+                };
                 let away = p - found.point.as_dvec3();
                 let distance = away.length();
                 // On the surface itself rounding has the direction: outwards is away from the middle then.
@@ -205,6 +210,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_closed_mesh_has_an_inside() {
+        let (vertices, indices) = parry3d::shape::Cuboid::new(Vector::ONE).to_trimesh();
+        let flags = parry3d::shape::TriMeshFlags::ORIENTED;
+        let mesh = SharedShape::trimesh_with_flags(vertices, indices, flags).unwrap();
+        let nearest = Surface::new(&mesh).nearest(DVec3::new(0.1, 0.9, 0.2));
+        assert!((nearest.distance + 0.1).abs() < 1e-6 && nearest.normal.distance(DVec3::Y) < 1e-6, "{nearest:?}");
     }
 
     #[test]
