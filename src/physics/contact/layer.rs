@@ -8,15 +8,16 @@ use super::touch::{Case, Touch};
 use crate::physics::assembly::ContactTerm;
 use crate::physics::material::Fabric;
 
-/// Stiffness of a touch over that of inertia in a step, m/Δt², and over that of the fabric.
+/// Stiffness of a touch over that of inertia in a step, m/Δt², at least.
 const OVER_INERTIA: f64 = 4.0;
+/// Share of the thickness that its load presses it in by.
 const GIVE: f64 = 0.05;
+/// Its stiffness over that of the fabric, where the fabric pulls it in.
 const OVER_FABRIC: f64 = 0.05;
 /// Share of the thickness that what was rescued is away from the surface.
 const MARGIN: f64 = 0.05;
 /// Points are watched which come as near as so many thicknesses.
 const REACH: f64 = 2.0;
-
 /// Share of the forces of contact that may be wrong.
 const WRONG: f64 = 0.1;
 
