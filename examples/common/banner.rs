@@ -5,6 +5,7 @@
 use crate::{
     glb::GlbMesh,
     paint::{mix, paint, with_grid},
+    pleats::Pleats,
     sheet::grid_triangles,
 };
 use bevy::math::{Vec2, Vec3};
@@ -33,7 +34,7 @@ const ROWS: usize = 56;
 
 /// The mesh with its pins. The rings lie on y = 0 and the cloth hangs down from there.
 pub fn banner() -> Result<GlbMesh, String> {
-    let wave = Wave::gathered();
+    let wave = Pleats::gathered(CLOTH_WIDTH, HUNG_WIDTH, PLEATS);
     let mut mesh =
         GlbMesh { name: NODE.into(), base_color: [1.0; 4], texture: Some(png(&heraldry())?), ..Default::default() };
     for row in 0..=ROWS {
@@ -41,69 +42,15 @@ pub fn banner() -> Result<GlbMesh, String> {
             let across = column as f32 / COLUMNS as f32;
             let height = SIDE_HEIGHT + (MIDDLE_HEIGHT - SIDE_HEIGHT) * (1.0 - (2.0 * across - 1.0).abs());
             let down = height * row as f32 / ROWS as f32;
-            let x = wave.x_at(across * CLOTH_WIDTH);
-            mesh.positions.push(Vec3::new(x - 0.5 * HUNG_WIDTH, -down, wave.depth(x) - wave.amplitude));
-            mesh.normals.push(Vec3::new(-wave.slope(x), 0.0, 1.0).normalize());
+            let (position, normal) = wave.place(across * CLOTH_WIDTH);
+            mesh.positions.push(position - Vec3::new(0.5 * HUNG_WIDTH, down, 0.0));
+            mesh.normals.push(normal);
             mesh.uvs.push(Vec2::new(across, down / MIDDLE_HEIGHT));
             mesh.pins.push(if row == 0 && column % CELLS_PER_PLEAT == 0 { 1.0 } else { 0.0 });
         }
     }
     mesh.indices = grid_triangles(COLUMNS, ROWS);
     Ok(mesh)
-}
-
-/// The gathered upper edge: z = amplitude · cos(2π x / length).
-struct Wave {
-    amplitude: f32,
-    length: f32,
-    /// Arc length at evenly spaced x over one wave.
-    arc: Vec<f32>,
-}
-
-impl Wave {
-    const SAMPLES: usize = 512;
-
-    /// The wave whose arc length is the cloth's width.
-    fn gathered() -> Self {
-        let length = HUNG_WIDTH / PLEATS as f32;
-        let wanted = CLOTH_WIDTH / PLEATS as f32;
-        let (mut low, mut high) = (0.0, length);
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if Self::new(middle, length).arc[Self::SAMPLES] < wanted { low = middle } else { high = middle }
-        }
-        Self::new(low, length)
-    }
-
-    fn new(amplitude: f32, length: f32) -> Self {
-        let mut wave = Self { amplitude, length, arc: vec![0.0] };
-        let step = length / Self::SAMPLES as f32;
-        for sample in 0..Self::SAMPLES {
-            let slope = wave.slope((sample as f32 + 0.5) * step);
-            wave.arc.push(wave.arc[sample] + step * (1.0 + slope * slope).sqrt());
-        }
-        wave
-    }
-
-    fn depth(&self, x: f32) -> f32 {
-        self.amplitude * (TAU * x / self.length).cos()
-    }
-
-    fn slope(&self, x: f32) -> f32 {
-        -self.amplitude * TAU / self.length * (TAU * x / self.length).sin()
-    }
-
-    /// The x reached after this arc length.
-    fn x_at(&self, arc: f32) -> f32 {
-        let whole = self.arc[Self::SAMPLES];
-        // Crests must fall on vertices exactly: round away the error of the division.
-        let waves = ((arc / whole) * 1e4).round() / 1e4;
-        let rest = waves.fract() * whole;
-        let sample = self.arc.partition_point(|&arc| arc <= rest).min(Self::SAMPLES);
-        let (before, after) = (self.arc[sample - 1], self.arc[sample]);
-        let inside = sample as f32 - 1.0 + (rest - before) / (after - before);
-        (waves.trunc() + inside / Self::SAMPLES as f32) * self.length
-    }
 }
 
 const CRIMSON: [f32; 3] = [0.56, 0.07, 0.11];

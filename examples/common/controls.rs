@@ -1,5 +1,6 @@
 //! Keys of every windowed example: fabric, pause, single step, reset, and what is drawn over the cloth.
 
+use crate::clock::SceneReset;
 use bevy::prelude::*;
 use bevy_cloth::{physics::Fabric, prelude::*};
 
@@ -60,6 +61,7 @@ fn pause_and_step(
 
 fn reset(keys: Res<ButtonInput<KeyCode>>, cloths: Query<Entity, With<ClothMesh>>, mut commands: Commands) {
     if keys.just_pressed(KeyCode::KeyR) {
+        commands.trigger(SceneReset);
         for entity in &cloths {
             commands.trigger(ClothReset { entity });
         }

@@ -3,15 +3,22 @@
 
 pub mod banner;
 pub mod capture;
+pub mod cli;
+pub mod clock;
 pub mod controls;
 pub mod export;
 pub mod glb;
 pub mod host;
+pub mod lathe;
 pub mod off_screen;
 pub mod orbit_camera;
 pub mod overlay;
 pub mod paint;
+pub mod penetration;
+pub mod pleats;
 pub mod plugins;
+pub mod props;
+pub mod rod;
 pub mod run;
 pub mod scene;
 pub mod sheet;

@@ -34,21 +34,8 @@ const LOADING_LIMIT: Duration = Duration::from_secs(60);
 pub fn run(options: RunOptions, adapter: Option<Adapter>, add_scene: impl FnOnce(&mut App)) -> Result<(), String> {
     create_folder(&options.out)?;
     let adapter_name = adapter.as_ref().map(|adapter| adapter.name.clone());
-
-    let mut app = App::new();
-    // Pictures show the state after a step, not one between two steps.
-    app.add_plugins((plugins::off_screen(adapter), ClothPlugin::default().without_interpolation()))
-        .add_plugins((ScenePlugin, OrbitCameraPlugin, StepFiguresPlugin))
-        .insert_resource(Time::<Fixed>::from_hz(FRAME_RATE));
-    stop_time(&mut app);
-    add_scene(&mut app);
-    while app.plugins_state() == PluginsState::Adding {
-        tick_global_task_pools_on_main_thread();
-    }
-    app.finish();
-    app.cleanup();
-
-    let camera = load(&mut app)?;
+    let mut app = start(adapter, add_scene)?;
+    let camera = app.world().resource::<SceneCamera>().0;
     if adapter_name.is_some() {
         aim_at_image(app.world_mut(), camera);
     }
@@ -58,9 +45,7 @@ pub fn run(options: RunOptions, adapter: Option<Adapter>, add_scene: impl FnOnce
     let mut pictures = Vec::new();
     let bar = progress_bar(frames);
     for frame in 1..=frames {
-        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-        app.update();
-        if let Some(problem) = cloth_error(app.world_mut()) {
+        if let Err(problem) = step(&mut app) {
             bar.abandon();
             return Err(format!("frame {frame}: {problem}"));
         }
@@ -91,6 +76,31 @@ pub fn run(options: RunOptions, adapter: Option<Adapter>, add_scene: impl FnOnce
     }
 }
 
+/// The scene, complete, before its first step; without an adapter nothing can be drawn.
+pub fn start(adapter: Option<Adapter>, add_scene: impl FnOnce(&mut App)) -> Result<App, String> {
+    let mut app = App::new();
+    // Pictures show the state after a step, not one between two steps.
+    app.add_plugins((plugins::off_screen(adapter), ClothPlugin::default().without_interpolation()))
+        .add_plugins((ScenePlugin, OrbitCameraPlugin, StepFiguresPlugin))
+        .insert_resource(Time::<Fixed>::from_hz(FRAME_RATE));
+    stop_time(&mut app);
+    add_scene(&mut app);
+    while app.plugins_state() == PluginsState::Adding {
+        tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+    load(&mut app)?;
+    Ok(app)
+}
+
+/// One step, which is one frame.
+pub fn step(app: &mut App) -> Result<(), String> {
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.update();
+    cloth_error(app.world_mut()).map_or(Ok(()), Err)
+}
+
 fn create_folder(folder: &Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("cannot create the folder {}: {error}", folder.display()))
 }
@@ -100,14 +110,14 @@ fn stop_time(app: &mut App) {
 }
 
 /// Updates with the time standing still until the scene is complete, so that every run starts the same.
-fn load(app: &mut App) -> Result<Entity, String> {
+fn load(app: &mut App) -> Result<(), String> {
     let start = Instant::now();
     loop {
         app.update();
         match app.world().resource::<SceneState>() {
             SceneState::Loading if start.elapsed() > LOADING_LIMIT => return Err("loading took too long".into()),
             SceneState::Loading => std::thread::sleep(Duration::from_millis(1)),
-            SceneState::Ready => return Ok(app.world().resource::<SceneCamera>().0),
+            SceneState::Ready => return Ok(()),
             SceneState::Failed(reason) => return Err(reason.clone()),
         }
     }

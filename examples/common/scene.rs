@@ -1,5 +1,6 @@
 //! How a scene tells the harness that it is complete, or why it never will be.
 
+use crate::clock;
 use bevy::prelude::*;
 use bevy_cloth::prelude::*;
 
@@ -19,12 +20,12 @@ pub enum SceneState {
 #[derive(Resource, Clone, Copy)]
 pub struct SceneCamera(pub Entity);
 
-/// Watches the cloths and keeps [`SceneState`].
+/// Watches the cloths and keeps [`SceneState`] and [`SceneClock`](clock::SceneClock).
 pub struct ScenePlugin;
 
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<SceneState>().add_systems(Last, watch);
+        app.init_resource::<SceneState>().add_plugins(clock::plugin).add_systems(Last, watch);
     }
 }
 

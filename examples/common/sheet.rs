@@ -6,17 +6,21 @@ use bevy::{asset::RenderAssetUsages, mesh::Indices, mesh::PrimitiveTopology, pre
 /// A square of `side` metres and `resolution` × `resolution` vertices in the plane y = 0, row by row from −z to +z;
 /// its warp runs along x.
 pub fn sheet_mesh(side: f32, resolution: u32) -> Mesh {
-    let cells = (resolution - 1) as f32;
-    let uvs: Vec<Vec2> = (0..resolution * resolution)
-        .map(|vertex| Vec2::new((vertex % resolution) as f32, (vertex / resolution) as f32) / cells)
-        .collect();
-    let positions: Vec<Vec3> = uvs.iter().map(|uv| side * Vec3::new(uv.x - 0.5, 0.0, uv.y - 0.5)).collect();
     let cells = resolution as usize - 1;
+    grid_mesh(cells, cells, |uv| side * Vec3::new(uv.x - 0.5, 0.0, uv.y - 0.5))
+}
+
+/// A grid of (columns + 1) × (rows + 1) vertices, row by row; `place` says where texture coordinates from 0 to 1 are.
+pub fn grid_mesh(columns: usize, rows: usize, place: impl Fn(Vec2) -> Vec3) -> Mesh {
+    let row = |row: usize| (0..=columns).map(move |column| (column as f32, row as f32));
+    let cells = Vec2::new(columns as f32, rows as f32);
+    let uvs: Vec<Vec2> = (0..=rows).flat_map(row).map(|uv| Vec2::from(uv) / cells).collect();
+    let positions: Vec<Vec3> = uvs.iter().map(|&uv| place(uv)).collect();
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![Vec3::Y; positions.len()])
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_indices(Indices::U32(grid_triangles(cells, cells)))
+        .with_inserted_indices(Indices::U32(grid_triangles(columns, rows)))
+        .with_computed_normals()
 }
 
 /// Two triangles per cell of a grid of (columns + 1) × (rows + 1) vertices, row by row downwards, seen from +z.

@@ -1,5 +1,6 @@
 //! What a run amounted to: one line for the reader, one JSON object for scripts.
 
+use crate::penetration::deepest;
 use bevy::prelude::*;
 use bevy_cloth::{
     plugin::ClothSystems,
@@ -75,6 +76,8 @@ pub struct Summary {
     pub max_stretch: f64,
     /// Root mean square elongation relative to rest, the worst cloth.
     pub rms_stretch: f64,
+    /// Depth of the deepest vertex inside a collider, in metres.
+    pub penetration: f32,
     /// In joules.
     pub kinetic_energy: f64,
     pub membrane_energy: f64,
@@ -94,6 +97,7 @@ impl Summary {
     /// Reads the figures off the world as it is now.
     pub fn of(world: &mut World, scene: &str) -> Self {
         let seconds_per_step = world.resource::<Time<Fixed>>().timestep().as_secs_f64();
+        let penetration = deepest(world);
         let mut cloths = world.query::<(&ClothState, &ClothMaterial)>();
         let figures = world.resource::<StepFigures>();
         let per_step = |time: Duration| 1e3 * time.as_secs_f64() / f64::from(figures.steps.max(1));
@@ -114,6 +118,7 @@ impl Summary {
             iterations_per_step: 0.0,
             max_stretch: f64::NEG_INFINITY,
             rms_stretch: 0.0,
+            penetration,
             kinetic_energy: 0.0,
             membrane_energy: 0.0,
             bending_energy: 0.0,

@@ -1,26 +1,21 @@
 //! The default scene: a banner on a rod, let go as if a gust had lifted it.
 
-use crate::{
-    model::{Model, ModelPlugin},
-    rod,
-};
+use crate::model::{Model, ModelPlugin};
 use bevy::prelude::*;
 use bevy_cloth::physics::Fabric;
 use example_common::{
     banner::{HUNG_WIDTH, NODE, RINGS},
     orbit_camera::OrbitCamera,
+    rod,
     scene::SceneCamera,
     stage::Stage,
 };
-use std::f32::consts::FRAC_PI_2;
 
 /// Height of the rings above the ground in metres.
 const HEIGHT: f32 = 2.15;
 
 /// How far the gust has lifted the banner, in radians.
 const LIFT: f32 = 1.2;
-
-const RING_RADIUS: f32 = 0.03;
 
 pub struct BannerPlugin {
     pub fabric: Fabric,
@@ -47,15 +42,5 @@ fn build(world: &mut World) {
     world.insert_resource(SceneCamera(camera));
     stage.build(world, camera);
 
-    let ring_centre = HEIGHT + RING_RADIUS;
-    let rod_centre = ring_centre + RING_RADIUS - 1.5 * rod::RADIUS;
-    rod::build(world, Vec3::new(0.0, rod_centre, 0.0), HUNG_WIDTH + 0.28);
-
-    let brass = rod::brass(world);
-    let sideways = Quat::from_rotation_z(FRAC_PI_2);
-    let ring = rod::mesh(world, Torus { minor_radius: 0.004, major_radius: RING_RADIUS });
-    for nth in 0..RINGS {
-        let x = HUNG_WIDTH * (nth as f32 / (RINGS - 1) as f32 - 0.5);
-        world.spawn((ring.clone(), brass.clone(), Transform::from_xyz(x, ring_centre, 0.0).with_rotation(sideways)));
-    }
+    rod::build_with_rings(world, HEIGHT, HUNG_WIDTH, RINGS);
 }

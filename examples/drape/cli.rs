@@ -2,6 +2,7 @@
 
 use bevy_cloth::physics::Fabric;
 use clap::Parser;
+use example_common::cli::RunArgs;
 use std::path::PathBuf;
 
 /// Drapes a cloth: in a window, or off-screen to pictures and a mesh.
@@ -31,40 +32,19 @@ pub struct Cli {
     #[arg(long, value_name = "NAME", requires = "path")]
     pub without: Vec<String>,
 
-    /// What the cloth is made of.
-    #[arg(long, value_name = "NAME", default_value = "cotton", value_parser = fabric)]
-    pub fabric: Fabric,
-
     /// Hang a square sheet of N × N vertices from two corners instead of the banner.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=400), conflicts_with = "path")]
     pub resolution: Option<u32>,
 
-    /// Run without a window and write pictures, also where there is a display.
-    #[arg(long)]
-    pub headless: bool,
-
-    /// Run without a window and write no pictures: only simulate and write the mesh.
-    #[arg(long)]
-    pub no_pictures: bool,
-
-    /// Stop after N frames of 1/60 s [default: 300 without a window, never in a window].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub frames: Option<u32>,
-
-    /// Folder for pictures and mesh.
-    #[arg(long, value_name = "DIR", default_value = "out/drape")]
-    pub out: PathBuf,
-
-    /// Write the figures of the run as one JSON object.
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
-fn fabric(name: &str) -> Result<Fabric, String> {
-    Fabric::by_name(name).ok_or_else(|| {
-        let names: Vec<_> = Fabric::presets().map(|(name, _)| name).collect();
-        format!("there is no such fabric; choose one of {}", names.join(", "))
-    })
+impl Cli {
+    /// What the cloth is made of.
+    pub fn fabric(&self) -> Fabric {
+        self.run.fabric.unwrap_or_else(Fabric::cotton)
+    }
 }
 
 fn fraction(text: &str) -> Result<f32, String> {
@@ -77,7 +57,7 @@ fn fraction(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::{CommandFactory, error::ErrorKind};
+    use clap::CommandFactory;
 
     fn refusal(arguments: &[&str]) -> clap::Error {
         Cli::try_parse_from([&["drape"], arguments].concat()).expect_err("refused")
@@ -91,37 +71,26 @@ mod tests {
     #[test]
     fn defaults() {
         let cli = Cli::try_parse_from(["drape"]).expect("no argument is needed");
-        assert_eq!(cli.fabric, Fabric::cotton());
-        assert_eq!((cli.path, cli.frames, cli.resolution, cli.headless), (None, None, None, false));
+        assert_eq!(cli.fabric(), Fabric::cotton());
+        assert_eq!((cli.path, cli.resolution), (None, None));
     }
 
     #[test]
     fn every_option_is_read() {
         let line = "drape cape.glb --node Cape --pin-top 0.1 --animation 3 --without Sword --without Shield \
-                    --fabric SILK --headless --no-pictures --frames 9 --out here --json figures.json";
+                    --fabric SILK";
         let cli = Cli::try_parse_from(line.split_whitespace()).expect("valid");
+        assert_eq!(cli.fabric(), Fabric::silk());
         assert_eq!(cli.path, Some("cape.glb".into()));
         assert_eq!((cli.node.as_deref(), cli.pin_top, cli.animation.as_deref()), (Some("Cape"), 0.1, Some("3")));
-        assert_eq!((cli.without, cli.fabric), (vec!["Sword".to_string(), "Shield".to_string()], Fabric::silk()));
-        assert_eq!((cli.headless, cli.no_pictures, cli.frames), (true, true, Some(9)));
-        assert_eq!((cli.out, cli.json), ("here".into(), Some("figures.json".into())));
-    }
-
-    #[test]
-    fn an_unknown_fabric_is_refused_with_the_names_that_exist() {
-        let error = refusal(&["--fabric", "chainmail"]);
-        assert_eq!((error.kind(), error.exit_code()), (ErrorKind::ValueValidation, 2));
-        assert!(error.to_string().contains("cotton, silk"), "{error}");
+        assert_eq!(cli.without, vec!["Sword".to_string(), "Shield".to_string()]);
     }
 
     #[test]
     fn bad_values_are_refused() {
         for arguments in [
-            &["--frames", "0"][..],
-            &["--frames", "many"],
-            &["--resolution", "1"],
+            &["--resolution", "1"][..],
             &["--resolution", "100000"],
-            &["--sparkle"],
             &["--node", "Cape"],
             &["cape.glb", "--resolution", "9"],
             &["cape.glb", "--pin-top", "0"],

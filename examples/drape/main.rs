@@ -7,23 +7,16 @@ mod banner;
 mod cli;
 mod framing;
 mod model;
-mod rod;
 mod sheet;
 
 use bevy::prelude::*;
 use clap::Parser;
 use cli::Cli;
-use example_common::run::{RunOptions, run};
+use example_common::{cli::exit, run::run};
 use model::{Model, ModelPlugin};
 
 fn main() -> AppExit {
-    match drape(Cli::parse()) {
-        Ok(()) => AppExit::Success,
-        Err(problem) => {
-            eprintln!("error: {problem}");
-            AppExit::error()
-        }
-    }
+    exit(drape(Cli::parse()))
 }
 
 fn drape(cli: Cli) -> Result<(), String> {
@@ -32,20 +25,12 @@ fn drape(cli: Cli) -> Result<(), String> {
         None if cli.resolution.is_some() => ("sheet".into(), None),
         None => ("banner".into(), None),
     };
-    let options = RunOptions {
-        name: "drape",
-        scene,
-        headless: cli.headless || cli.no_pictures,
-        pictures: !cli.no_pictures,
-        frames: cli.frames,
-        out: cli.out,
-        json: cli.json,
-    };
-    run(options, |app| {
+    let fabric = cli.fabric();
+    run(cli.run.options("drape", scene), |app| {
         match (model, cli.resolution) {
             (Some(model), _) => app.add_plugins(ModelPlugin(model)),
-            (None, Some(resolution)) => app.add_plugins(sheet::SheetPlugin { resolution, fabric: cli.fabric }),
-            (None, None) => app.add_plugins(banner::BannerPlugin { fabric: cli.fabric }),
+            (None, Some(resolution)) => app.add_plugins(sheet::SheetPlugin { resolution, fabric }),
+            (None, None) => app.add_plugins(banner::BannerPlugin { fabric }),
         };
     })
 }

@@ -54,7 +54,7 @@ impl Model {
             without: cli.without.clone(),
             pin_top: cli.pin_top,
             animation: cli.animation.clone(),
-            ..Self::new(path, cli.fabric)
+            ..Self::new(path, cli.fabric())
         })
     }
 }

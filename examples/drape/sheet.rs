@@ -1,10 +1,11 @@
 //! `--resolution N`: a square sheet falls from the horizontal while the two corners that hold it draw together.
 
-use crate::rod;
 use bevy::prelude::*;
 use bevy_cloth::{physics::Fabric, plugin::ClothSystems, prelude::*};
 use example_common::{
     orbit_camera::OrbitCamera,
+    props::{mesh, woven},
+    rod,
     scene::SceneCamera,
     sheet::{sheet_mesh, stripes},
     stage::Stage,
@@ -52,21 +53,13 @@ fn build(world: &mut World, resolution: u32, fabric: Fabric) {
     stage.build(world, camera);
     rod::build(world, Vec3::new(0.0, HEIGHT, -0.5 * SIDE), SIDE + 0.2);
 
-    let texture = world.resource_mut::<Assets<Image>>().add(stripes());
-    let look = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
-        base_color_texture: Some(texture),
-        perceptual_roughness: 0.9,
-        reflectance: 0.25,
-        double_sided: true,
-        cull_mode: None,
-        ..default()
-    });
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(sheet_mesh(SIDE, resolution));
+    let look = woven(world, stripes(), Vec2::ONE);
+    let mesh = mesh(world, sheet_mesh(SIDE, resolution));
     world
         .spawn((
             Name::new("Sheet"),
-            Mesh3d(mesh),
-            MeshMaterial3d(look),
+            mesh,
+            look,
             Transform::from_xyz(0.0, HEIGHT, 0.0),
             ClothMesh::default(),
             ClothMaterial(fabric),

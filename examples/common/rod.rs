@@ -1,14 +1,18 @@
 //! A rod between two posts, to hang cloth from.
 
+use crate::props::{brass, mesh, wood};
 use bevy::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 
 /// In metres.
 pub const RADIUS: f32 = 0.016;
 
+/// Of the rings on the rod, in metres.
+pub const RING_RADIUS: f32 = 0.03;
+
 /// The rod along x with this centre, its posts, and their feet on the ground at y = 0.
 pub fn build(world: &mut World, centre: Vec3, length: f32) {
-    let wood = surface(world, Color::srgb(0.20, 0.12, 0.08), 0.0);
+    let wood = wood(world);
     let brass = brass(world);
     let rod = mesh(world, Cylinder::new(RADIUS, length));
     let sideways = Quat::from_rotation_z(FRAC_PI_2);
@@ -25,17 +29,16 @@ pub fn build(world: &mut World, centre: Vec3, length: f32) {
     }
 }
 
-/// For rings and ornaments.
-pub fn brass(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
-    surface(world, Color::srgb(0.80, 0.62, 0.30), 1.0)
-}
-
-/// Adds a shape to the meshes.
-pub fn mesh(world: &mut World, shape: impl Into<Mesh>) -> Mesh3d {
-    Mesh3d(world.resource_mut::<Assets<Mesh>>().add(shape.into()))
-}
-
-fn surface(world: &mut World, base_color: Color, metallic: f32) -> MeshMaterial3d<StandardMaterial> {
-    let material = StandardMaterial { base_color, metallic, perceptual_roughness: 0.45, ..default() };
-    MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(material))
+/// A rod with rings that hold a cloth gathered to `width`: `rings` of them, evenly spread along x, their lowest points at
+/// `height` and z = 0.
+pub fn build_with_rings(world: &mut World, height: f32, width: f32, rings: usize) {
+    let ring_centre = height + RING_RADIUS;
+    build(world, Vec3::new(0.0, ring_centre + RING_RADIUS - 1.5 * RADIUS, 0.0), width + 0.28);
+    let brass = brass(world);
+    let ring = mesh(world, Torus { minor_radius: 0.004, major_radius: RING_RADIUS });
+    let sideways = Quat::from_rotation_z(FRAC_PI_2);
+    for nth in 0..rings {
+        let x = width * (nth as f32 / (rings - 1) as f32 - 0.5);
+        world.spawn((ring.clone(), brass.clone(), Transform::from_xyz(x, ring_centre, 0.0).with_rotation(sideways)));
+    }
 }
