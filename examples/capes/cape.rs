@@ -1,5 +1,6 @@
 //! A cape, held along a collar.
 
+use crate::figure::JUMP;
 use bevy::prelude::*;
 use bevy_cloth::{physics::Fabric, prelude::*};
 use example_common::{
@@ -8,18 +9,16 @@ use example_common::{
     sheet::grid_mesh,
 };
 
-use crate::figure::JUMP;
-
 /// Of the collar and of the hem, in metres above the ground.
 const COLLAR: f32 = 1.49;
 const HEM: f32 = 0.42;
 
 /// Half axes of the collar and of the hem: sideways and backwards, in metres.
 const COLLAR_SIZE: Vec2 = Vec2::new(0.20, 0.10);
-const HEM_SIZE: Vec2 = Vec2::new(0.46, 0.34);
+const HEM_SIZE: Vec2 = Vec2::new(0.58, 0.52);
 
-/// How far the cape reaches round to each side, from the middle of the back, in radians.
-const REACH: f32 = 1.05;
+/// How far collar and hem reach round to each side, from the middle of the back, in radians.
+const REACH: Vec2 = Vec2::new(1.05, 1.35);
 
 pub struct Cape {
     pub fabric: Fabric,
@@ -35,7 +34,8 @@ impl Cape {
         // Seen from behind, from the left to the right.
         let cape = grid_mesh(columns, columns, |uv| {
             let size = COLLAR_SIZE.lerp(HEM_SIZE, uv.y);
-            let (side, back) = (REACH * (1.0 - 2.0 * uv.x)).sin_cos();
+            let reach = REACH.x + (REACH.y - REACH.x) * uv.y;
+            let (side, back) = (reach * (1.0 - 2.0 * uv.x)).sin_cos();
             Vec3::new(size.x * side, COLLAR + (HEM - COLLAR) * uv.y, -size.y * back)
         });
         let cape = mesh(world, cape);

@@ -6,7 +6,7 @@ use example_common::props::{mesh, varnished};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// Of the circle that the figures walk on, in metres.
-const CIRCLE: f32 = 1.25;
+const CIRCLE: f32 = 1.1;
 
 /// No part goes as far as this in one step, unless it is put somewhere else; in metres.
 pub const JUMP: f32 = 0.25;
@@ -63,9 +63,9 @@ pub fn build(world: &mut World, start: f32, bodies: Bodies) -> Entity {
 
     let lying = Quat::from_rotation_z(FRAC_PI_2);
     let fixed = |x, y, z| Transform::from_xyz(x, y, z);
-    builder.part(figure, Capsule3d::new(0.095, 0.12), fixed(0.0, 0.93, 0.0).with_rotation(lying));
-    builder.part(figure, Capsule3d::new(0.125, 0.24), fixed(0.0, 1.16, 0.0));
-    builder.part(figure, Capsule3d::new(0.072, 0.26), fixed(0.0, 1.39, 0.0).with_rotation(lying));
+    builder.part(figure, Capsule3d::new(0.1, 0.11), fixed(0.0, 0.93, 0.0).with_rotation(lying));
+    builder.part(figure, Capsule3d::new(0.122, 0.22), fixed(0.0, 1.17, 0.0));
+    builder.part(figure, Capsule3d::new(0.078, 0.25), fixed(0.0, 1.385, 0.0).with_rotation(lying));
     builder.part(figure, Capsule3d::new(0.048, 0.10), fixed(0.0, 1.51, 0.0));
     builder.part(figure, Capsule3d::new(0.10, 0.05), fixed(0.0, 1.67, 0.01));
     for side in [Side::Left, Side::Right] {

@@ -34,7 +34,7 @@ impl Plugin for CapesPlugin {
 }
 
 fn build(world: &mut World, fabric: Fabric, bodies: Bodies, columns: usize) {
-    let camera = OrbitCamera { focus: Vec3::new(0.0, 0.92, 0.0), distance: 4.7, yaw: 0.5, pitch: 0.2 };
+    let camera = OrbitCamera { focus: Vec3::new(0.0, 0.85, 0.0), distance: 3.9, yaw: 0.5, pitch: 0.2 };
     let stage = Stage { floor: Vec3::ZERO, radius: 2.2, yaw: camera.yaw };
     let camera = world.spawn(camera).id();
     world.insert_resource(SceneCamera(camera));

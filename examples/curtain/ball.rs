@@ -17,7 +17,7 @@ const MASS: f32 = 0.62;
 /// Where it is thrown from, in metres.
 const HAND: Vec3 = Vec3::new(0.15, 1.05, 2.3);
 /// How it is thrown, in metres per second.
-const THROW: Vec3 = Vec3::new(-0.5, 1.6, -7.0);
+const THROW: Vec3 = Vec3::new(-0.3, 1.8, -6.5);
 /// When, in seconds: the curtain has settled.
 pub const THROWN_AT: f32 = 0.85;
 

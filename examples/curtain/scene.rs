@@ -40,7 +40,7 @@ impl Plugin for CurtainPlugin {
 }
 
 fn build(world: &mut World, fabric: Fabric, cells_per_pleat: usize) {
-    let camera = OrbitCamera { focus: Vec3::new(0.0, 1.08, 0.2), distance: 4.2, yaw: 1.0, pitch: 0.1 };
+    let camera = OrbitCamera { focus: Vec3::new(0.0, 1.08, 0.2), distance: 3.7, yaw: -2.35, pitch: 0.1 };
     let stage = Stage { floor: Vec3::ZERO, radius: 2.0, yaw: camera.yaw };
     let camera = world.spawn(camera).id();
     world.insert_resource(SceneCamera(camera));
@@ -71,6 +71,8 @@ fn build(world: &mut World, fabric: Fabric, cells_per_pleat: usize) {
             let column = vertex.index as usize;
             column <= columns && column.is_multiple_of(cells_per_pleat)
         }),
+        // What lies between the vertices keeps clear of the ball too.
+        ClothContact { thickness: 0.008, ..default() },
         ClothContacts::default(),
     ));
 }

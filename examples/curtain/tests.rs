@@ -12,7 +12,7 @@ use example_common::{
 
 fn scene() -> App {
     start(None, |app| {
-        app.add_plugins(CurtainPlugin { fabric: Fabric::cotton(), cells_per_pleat: 4 });
+        app.add_plugins(CurtainPlugin { fabric: Fabric::wool(), cells_per_pleat: 4 });
     })
     .expect("a scene")
 }

@@ -6,7 +6,7 @@ use example_common::{
     lathe::turned,
     props::{look, mesh, solid, varnished},
 };
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 type Look = MeshMaterial3d<StandardMaterial>;
 
@@ -17,9 +17,9 @@ pub fn build(world: &mut World, table: f32) {
         world,
         StandardMaterial { base_color: Color::srgb(0.93, 0.93, 0.90), perceptual_roughness: 0.25, ..default() },
     );
-    bowl(world, &china, at(-0.14, -0.10));
-    bottle(world, at(0.19, -0.14));
-    for (x, z) in [(-0.20, 0.26), (0.24, 0.20)] {
+    bowl(world, &china, at(-0.13, -0.10));
+    teapot(world, at(0.22, -0.20));
+    for (x, z) in [(-0.26, 0.24), (0.20, 0.22)] {
         plate_and_cup(world, &china, at(x, z));
     }
 }
@@ -46,31 +46,33 @@ fn bowl(world: &mut World, china: &Look, place: Vec3) {
     solid(world, orange, &peel, Transform::from_translation(place + Vec3::new(0.0, 0.143, 0.0)));
 }
 
-/// A bottle: several shapes in one collider.
-fn bottle(world: &mut World, place: Vec3) {
-    let glass = look(
+/// A teapot: several shapes in one collider.
+fn teapot(world: &mut World, place: Vec3) {
+    let glaze = look(
         world,
-        StandardMaterial { base_color: Color::srgb(0.05, 0.17, 0.09), perceptual_roughness: 0.12, ..default() },
+        StandardMaterial { base_color: Color::srgb(0.07, 0.24, 0.30), perceptual_roughness: 0.2, ..default() },
     );
-    let (body, shoulder, neck) = (Cylinder::new(0.042, 0.17), Sphere::new(0.042), Capsule3d::new(0.017, 0.26));
-    let parts: [(f32, Mesh, ClothCollider); 3] = [
-        (0.085, body.into(), body.into()),
-        (0.17, shoulder.into(), shoulder.into()),
-        (0.147, neck.into(), neck.into()),
+    let at = |x: f32, y: f32| Transform::from_xyz(x, y, 0.0);
+    let (foot, belly, knob) = (Cylinder::new(0.05, 0.02), Sphere::new(0.078), Sphere::new(0.016));
+    let (spout, handle) = (Capsule3d::new(0.014, 0.08), Torus::new(0.030, 0.046));
+    let parts: [(Transform, Mesh, ClothCollider); 5] = [
+        (at(0.0, 0.01), foot.into(), foot.into()),
+        (at(0.0, 0.08), belly.into(), belly.into()),
+        (at(0.0, 0.168), knob.into(), knob.into()),
+        (at(0.09, 0.09).with_rotation(Quat::from_rotation_z(-0.7)), spout.into(), spout.into()),
+        (
+            at(-0.086, 0.085).with_rotation(Quat::from_rotation_x(FRAC_PI_2)),
+            handle.into(),
+            ClothCollider::hull_of_mesh(&handle.into()).expect("a body"),
+        ),
     ];
-    let up = |height: f32| height * Vec3::Y;
-    let colliders = parts.iter().map(|(height, _, part)| (up(*height), Quat::IDENTITY, part.clone()));
-    let collider = ClothCollider::compound(colliders).expect("there are parts");
-    let bottle = world.spawn((
-        Name::new("Bottle"),
-        Transform::from_translation(place),
-        Visibility::default(),
-        collider.with_friction(0.2),
-    ));
-    let bottle = bottle.id();
-    for (height, shape, _) in parts {
+    let colliders = parts.iter().map(|(at, _, part)| (at.translation, at.rotation, part.clone()));
+    let collider = ClothCollider::compound(colliders).expect("there are parts").with_friction(0.3);
+    let turned = Transform::from_translation(place).with_rotation(Quat::from_rotation_y(0.6));
+    let teapot = world.spawn((Name::new("Teapot"), turned, Visibility::default(), collider)).id();
+    for (at, shape, _) in parts {
         let part = mesh(world, shape);
-        world.spawn((part, glass.clone(), Transform::from_translation(up(height)), ChildOf(bottle)));
+        world.spawn((part, glaze.clone(), at, ChildOf(teapot)));
     }
 }
 

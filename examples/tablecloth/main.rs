@@ -17,7 +17,7 @@ use scene::TableclothPlugin;
 #[command(name = "tablecloth")]
 struct Cli {
     /// Vertices along each side of the cloth.
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(2..=200))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=200))]
     resolution: u32,
 
     #[command(flatten)]

@@ -47,7 +47,7 @@ impl Plugin for TableclothPlugin {
 }
 
 fn build(world: &mut World, resolution: u32, fabric: Fabric) {
-    let camera = OrbitCamera { focus: Vec3::new(0.0, 0.66, 0.0), distance: 2.35, yaw: 0.5, pitch: 0.33 };
+    let camera = OrbitCamera { focus: Vec3::new(0.0, 0.62, 0.0), distance: 1.95, yaw: 0.5, pitch: 0.36 };
     let stage = Stage { floor: Vec3::ZERO, radius: 1.3, yaw: camera.yaw };
     let camera = world.spawn(camera).id();
     world.insert_resource(SceneCamera(camera));
@@ -66,7 +66,7 @@ fn build(world: &mut World, resolution: u32, fabric: Fabric) {
         ClothMesh::default(),
         ClothMaterial(fabric),
         // What lies between the vertices keeps clear of edges too.
-        ClothContact { thickness: 0.005, ..default() },
+        ClothContact { thickness: 0.008, ..default() },
         ClothPinTargets::default(),
         Held { corners: corners(resolution) },
     ));

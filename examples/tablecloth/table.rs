@@ -13,9 +13,9 @@ pub const HEIGHT: f32 = 0.74;
 /// Of the top, in metres.
 pub const RADIUS: f32 = 0.55;
 
-const THICKNESS: f32 = 0.036;
+const THICKNESS: f32 = 0.044;
 /// Of the rounded edge, in metres.
-const EDGE: f32 = 0.014;
+const EDGE: f32 = 0.018;
 
 const LEG_RADIUS: f32 = 0.026;
 /// Distance of a leg from the middle of the table, in metres.
