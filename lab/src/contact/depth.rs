@@ -26,7 +26,7 @@ pub fn faces(cloth: &Cloth, bodies: &[Body], time: f64) -> f64 {
 /// cuboid looks out of the upper side of a triangle, whose points may all be beside that corner.
 pub fn dense(cloth: &Cloth, bodies: &[Body], time: f64, along: u32) -> f64 {
     let shares = lattice(along);
-    corners(cloth, bodies, time).max(sampled(cloth, bodies, time, &shares))
+    corners(cloth, bodies, time, along).max(sampled(cloth, bodies, time, &shares))
 }
 
 fn sampled(cloth: &Cloth, bodies: &[Body], time: f64, shares: &[DVec3]) -> f64 {
@@ -52,12 +52,14 @@ fn lattice(along: u32) -> Vec<DVec3> {
     points.map(|(i, j)| DVec3::new(share(i), share(j), share(along - i - j))).collect()
 }
 
-/// How far the corners of cuboids look out of triangles, m. What is further out than half the cuboid is thick belongs to
-/// another fold.
-fn corners(cloth: &Cloth, bodies: &[Body], time: f64) -> f64 {
+/// How far the corners of cuboids look out of triangles, m. What is further out than the sides are long from sample to sample
+/// would have a sample inside: if it has none, it belongs to another fold.
+fn corners(cloth: &Cloth, bodies: &[Body], time: f64, along: u32) -> f64 {
     let mut deepest = f64::NEG_INFINITY;
+    let longest =
+        triangles(cloth).map(|[a, b, c]| a.distance(b).max(b.distance(c)).max(c.distance(a))).fold(0.0, f64::max);
     for body in bodies {
-        let (pose, most) = (body.pose(time), 2.0 * body.solid.core());
+        let (pose, most) = (body.pose(time), (2.0 * body.solid.core()).min(longest / f64::from(along)));
         for corner in body.solid.corners().into_iter().map(|corner| pose.place(corner)) {
             let out = triangles(cloth).filter_map(|triangle| out_of(triangle, corner)).filter(|&out| out < most);
             deepest = out.fold(deepest, f64::max);

@@ -5,6 +5,7 @@ use bevy::platform::time::Instant;
 
 use super::engine::{Engine, Step};
 use super::integrator::{Bdf2, Integrator, hesitation};
+use super::touching::contact_layer;
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, Projection, System};
@@ -108,7 +109,7 @@ impl<T: Scalar> Implicit<T> {
             energy_now: None,
             surplus: 0.0,
             constraints: Constraints::default(),
-            contact: ContactLayer::new(fabric),
+            contact: contact_layer(shape, fabric, ordering),
             inertia: Vec::new(),
             system,
             solution: small_zeros,
@@ -362,7 +363,7 @@ impl<T: Scalar> Engine for Implicit<T> {
         let linear = self.predict(scheme, step.dt, state);
         if touching {
             self.slow_down_touching(linear.gamma, step, state);
-            self.start_at_planes();
+            self.start_at_planes(step.pins.held());
         }
         let solved = self.iterate(linear, newton_steps, step, state, report).map(|()| {
             self.finish(scheme, step, state);

@@ -8,8 +8,11 @@ use bevy::platform::time::Instant;
 use super::engine::Step;
 use super::implicit::{Guess, Implicit, Linear};
 use super::{ClothFault, State, StepReport};
-use crate::physics::contact::Moving;
+use crate::physics::assembly::Ordering;
+use crate::physics::contact::{ContactLayer, Moving};
+use crate::physics::material::Fabric;
 use crate::physics::math::Scalar;
+use crate::physics::mesh::RestShape;
 
 /// Solves beyond the first, at most, in which touches are let go, found or begin to slip.
 const CONTACT_STEPS: u32 = 2;
@@ -23,6 +26,13 @@ fn moving<'a>(step: &Step<'a>, state: &'a State) -> Moving<'a> {
         gravity: step.gravity,
         dt: step.dt,
     }
+}
+
+/// The layer of a cloth whose vertices are numbered as `ordering` says.
+pub(super) fn contact_layer(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -> ContactLayer {
+    let triangles = shape.triangles.iter().map(|triangle| triangle.vertices.map(|v| ordering.inner[v as usize]));
+    let lengths = shape.edges.iter().map(|[a, b]| shape.positions[*a as usize].distance(shape.positions[*b as usize]));
+    ContactLayer::new(fabric, triangles.collect(), lengths.fold(0.0, f64::max))
 }
 
 impl<T: Scalar> Implicit<T> {
@@ -51,12 +61,12 @@ impl<T: Scalar> Implicit<T> {
     }
 
     /// Linearises what touches where contact will have it.
-    pub fn start_at_planes(&mut self) {
+    pub fn start_at_planes(&mut self, held: &[bool]) {
         let Self { contact, inertial, point, .. } = self;
-        for vertex in contact.touched() {
+        for vertex in contact.touched().filter(|&vertex| !held[vertex]) {
             point[vertex] = inertial[vertex];
         }
-        contact.project(point);
+        contact.project(point, held);
     }
 
     /// Judges contact by the last solve, and solves again where it was wrong.

@@ -1,9 +1,15 @@
 //! All touches of a cloth: found before a step, remembered after it.
 
+use std::sync::Arc;
+
 use bevy::math::DVec3;
+use parry3d::shape::SharedShape;
 
 use super::collider::{Collider, Contact, ContactSettings};
+use super::features::Features;
+use super::find::{self, Faces, Found, Near, free};
 use super::meeting::Body;
+use super::memory::{Memories, Memory};
 use super::touch::{Case, Touch};
 use crate::physics::assembly::ContactTerm;
 use crate::physics::material::Fabric;
@@ -16,8 +22,6 @@ const GIVE: f64 = 0.05;
 const OVER_FABRIC: f64 = 0.05;
 /// Share of the thickness that what was rescued is away from the surface.
 const MARGIN: f64 = 0.05;
-/// Points are watched which come as near as so many thicknesses.
-const REACH: f64 = 2.0;
 /// Share of the forces of contact that may be wrong.
 const WRONG: f64 = 0.1;
 
@@ -45,25 +49,18 @@ pub(crate) struct Moving<'a> {
 #[derive(Default)]
 pub(crate) struct ContactLayer {
     touches: Vec<Touch>,
-    /// Those of the substep before, by collider and vertex.
-    memory: Vec<Memory>,
+    /// Those of the substep before.
+    memory: Memories,
+    faces: Faces,
+    /// Of the shapes that were near in the last substep: the shape tells them apart.
+    features: Vec<(SharedShape, Features)>,
+    /// All vertices, in the frame of the collider that is looked at.
+    near: Vec<Near>,
     /// By vertex: how far it may end from where it was looked for without being inside anything, m.
     room: Vec<f64>,
     terms: Vec<ContactTerm>,
     /// Stiffness of the fabric, N/m.
     fabric: f64,
-}
-
-/// What is remembered of a touch.
-#[derive(Clone, Copy)]
-struct Memory {
-    collider: u64,
-    vertex: u32,
-    normal_force: f64,
-    before: f64,
-    /// In the frame of the collider.
-    friction: DVec3,
-    slipping: Option<DVec3>,
 }
 
 /// Box of the ways of all vertices, m.
@@ -75,14 +72,10 @@ fn ways(moving: &Moving) -> (DVec3, DVec3) {
     })
 }
 
-/// Where a vertex would go if nothing but gravity acted on it.
-fn free(moving: &Moving, vertex: usize) -> DVec3 {
-    moving.x[vertex] + moving.dt * (moving.v[vertex] + moving.dt * moving.gravity)
-}
-
 impl ContactLayer {
-    pub fn new(fabric: &Fabric) -> Self {
-        let mut layer = Self::default();
+    /// For a cloth of these triangles, whose longest side is so many metres at rest.
+    pub fn new(fabric: &Fabric, triangles: Vec<[u32; 3]>, longest: f64) -> Self {
+        let mut layer = Self { faces: Faces { triangles, longest }, ..Self::default() };
         layer.set_fabric(fabric);
         layer
     }
@@ -98,9 +91,10 @@ impl ContactLayer {
         self.room.clear();
         self.room.resize(moving.x.len(), f64::INFINITY);
         let (low, high) = ways(moving);
-        let thickness = around.settings.thickness;
-        let reach = REACH * thickness;
+        let reach = find::reach(around);
         let mut closest = f64::INFINITY;
+        let mut found = Vec::new();
+        let mut features = core::mem::take(&mut self.features);
         for (index, collider) in around.colliders.iter().enumerate() {
             let body = Body::new(collider, around.from, around.to);
             let apart = body.distance_to_box(low, high);
@@ -108,62 +102,20 @@ impl ContactLayer {
                 closest = closest.min(apart - reach);
                 continue;
             }
-            let friction = (collider.friction * around.settings.friction).sqrt();
-            for vertex in 0..moving.x.len() {
-                if moving.held[vertex] {
-                    continue;
-                }
-                let (x, y) = (moving.x[vertex], free(moving, vertex));
-                let meeting = match body.meet(x, y, thickness, reach, moving.dt) {
-                    Ok(meeting) => meeting,
-                    Err(room) => {
-                        self.room[vertex] = self.room[vertex].min(room);
-                        continue;
-                    }
-                };
-                self.room[vertex] = 0.0;
-                let mass = moving.masses[vertex];
-                let inertia = mass / (moving.dt * moving.dt);
-                let mut touch = Touch {
-                    vertices: [vertex as u32; 3],
-                    weights: [1.0, 0.0, 0.0],
-                    collider: index as u32,
-                    normal: meeting.normal,
-                    offset: meeting.offset,
-                    surface: meeting.surface,
-                    carried: meeting.carried,
-                    stiffness: 0.0,
-                    lambda: 0.0,
-                    tau: DVec3::ZERO,
-                    pressing: inertia * (meeting.offset - meeting.normal.dot(y)).max(0.0),
-                    friction,
-                    case: Case::Apart,
-                    last: 0.0,
-                    force: DVec3::ZERO,
-                    acted: DVec3::ZERO,
-                };
-                let mut slipping = None;
-                if let Some(memory) = self.recall(collider.id, vertex as u32) {
-                    let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
-                    // The force of an impact would throw the vertex off again: what lasts is in two steps.
-                    touch.lambda = memory.normal_force.min(memory.before);
-                    touch.last = memory.normal_force;
-                    touch.pressing = memory.normal_force;
-                    let friction_force = tangential(body.turn(memory.friction));
-                    touch.tau = friction_force.clamp_length_max(touch.friction * touch.lambda);
-                    slipping = memory.slipping.and_then(|way| tangential(body.turn(way)).try_normalize());
-                }
-                // As stiff as its force needs, so that what is loaded lightly is let go and found again smoothly: of the step
-                // before, or to stop what comes in, with the fabric that pulls it.
-                let inertial = x + moving.dt * moving.v[vertex];
-                let coming = (touch.offset - touch.normal.dot(inertial)).max(0.0);
-                let load = touch.last.max(inertia * coming);
-                let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
-                touch.stiffness = pulled + (OVER_INERTIA * inertia).max(load / (GIVE * thickness));
-                // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
-                touch.choose(if touch.last > 0.0 { y } else { inertial });
-                touch.stay(slipping, inertial);
-                self.touches.push(touch);
+            found.clear();
+            let Self { faces, near, room, .. } = self;
+            find::vertices(&body, around, moving, near, room, |vertex| found.push(vertex));
+            let of_shape = match features.iter().position(|(shape, _)| Arc::ptr_eq(&shape.0, &collider.shape.0)) {
+                Some(known) => features.swap_remove(known),
+                None => (collider.shape.clone(), Features::new(&collider.shape)),
+            };
+            find::between(&body, &of_shape.1, faces, around, moving, near, |place| found.push(place));
+            self.features.push(of_shape);
+            // An edge of the cloth is a side of two triangles.
+            found.sort_by_key(|found| (found.feature, found.vertices));
+            found.dedup_by_key(|found| (found.feature, found.vertices));
+            for found in found.drain(..) {
+                self.touch(found, index, &body, around, moving);
             }
         }
         for room in &mut self.room {
@@ -171,9 +123,63 @@ impl ContactLayer {
         }
     }
 
-    fn recall(&self, collider: u64, vertex: u32) -> Option<&Memory> {
-        let found = self.memory.binary_search_by_key(&(collider, vertex), |m| (m.collider, m.vertex));
-        found.ok().map(|i| &self.memory[i])
+    /// Makes a touch of what was found.
+    fn touch(&mut self, found: Found, index: usize, body: &Body, around: &Surroundings, moving: &Moving) {
+        let Found { vertices, weights, feature, meeting } = found;
+        let Surroundings { colliders, settings, .. } = around;
+        let collider = &colliders[index];
+        let at = |points: &dyn Fn(usize) -> DVec3| -> DVec3 {
+            vertices.iter().zip(weights).map(|(&vertex, weight)| weight * points(vertex as usize)).sum()
+        };
+        let inertial = at(&|vertex| moving.x[vertex] + moving.dt * moving.v[vertex]);
+        let y = at(&|vertex| free(moving, vertex));
+        // What a force on the place must move.
+        let mobility: f64 = (vertices.iter().zip(weights))
+            .filter(|&(&vertex, _)| !moving.held[vertex as usize])
+            .map(|(&vertex, weight)| weight * weight / moving.masses[vertex as usize])
+            .sum();
+        let inertia = 1.0 / (mobility * moving.dt * moving.dt);
+        let mut touch = Touch {
+            vertices,
+            weights,
+            collider: index as u32,
+            feature,
+            normal: meeting.normal,
+            offset: meeting.offset,
+            surface: meeting.surface,
+            carried: meeting.carried,
+            stiffness: 0.0,
+            lambda: 0.0,
+            tau: DVec3::ZERO,
+            pressing: inertia * (meeting.offset - meeting.normal.dot(y)).max(0.0),
+            friction: (collider.friction * settings.friction).sqrt(),
+            case: Case::Apart,
+            last: 0.0,
+            force: DVec3::ZERO,
+            acted: DVec3::ZERO,
+        };
+        let mut slipping = None;
+        if let Some(memory) = self.memory.recall(collider.id, &touch) {
+            let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
+            // The force of an impact would throw the vertex off again: what lasts is in two steps.
+            touch.lambda = memory.normal_force.min(memory.before);
+            touch.last = memory.normal_force;
+            touch.pressing = memory.normal_force;
+            let friction_force = tangential(body.turn(memory.friction));
+            touch.tau = friction_force.clamp_length_max(touch.friction * touch.lambda);
+            slipping = memory.slipping.and_then(|way| tangential(body.turn(way)).try_normalize());
+        }
+        // As stiff as its force needs, so that what is loaded lightly is let go and found again smoothly: of the step
+        // before, or to stop what comes in, with the fabric that pulls it.
+        let coming = (touch.offset - touch.normal.dot(inertial)).max(0.0);
+        let load = touch.last.max(inertia * coming);
+        let thickness = settings.thickness;
+        let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
+        touch.stiffness = pulled + (OVER_INERTIA * inertia).max(load / (GIVE * thickness));
+        // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
+        touch.choose(if touch.last > 0.0 { y } else { inertial });
+        touch.stay(slipping, inertial);
+        self.touches.push(touch);
     }
 
     /// Whether nothing is near.
@@ -189,15 +195,20 @@ impl ContactLayer {
         })
     }
 
-    /// Puts vertices that touch onto their planes, those that stick where they stick.
-    pub fn project(&self, points: &mut [DVec3]) {
-        for touch in self.touches.iter().filter(|touch| touch.is_active() && touch.weights[0] == 1.0) {
-            let x = &mut points[touch.vertices[0] as usize];
+    /// Puts what touches onto its plane, what sticks where it sticks. Vertices that are held stay.
+    pub fn project(&self, points: &mut [DVec3], held: &[bool]) {
+        for touch in self.touches.iter().filter(|touch| touch.is_active()) {
+            let x = touch.point(points);
+            let mut way = (touch.offset - touch.normal.dot(x)) * touch.normal;
             if touch.case == Case::Stick {
-                let way = touch.carried - *x;
-                *x += way - touch.normal.dot(way) * touch.normal;
+                let back = touch.carried - x;
+                way += back - touch.normal.dot(back) * touch.normal;
             }
-            *x += (touch.offset - touch.normal.dot(*x)) * touch.normal;
+            let corners = touch.vertices.into_iter().zip(touch.weights).filter(|&(vertex, _)| !held[vertex as usize]);
+            let square: f64 = corners.clone().map(|(_, weight)| weight * weight).sum();
+            for (vertex, weight) in corners {
+                points[vertex as usize] += weight / square * way;
+            }
         }
     }
 
@@ -265,7 +276,8 @@ impl ContactLayer {
                 continue;
             }
             for body in &bodies {
-                let Ok(meeting) = body.meet(moving.x[vertex], end[vertex], 0.0, 0.0, moving.dt) else { continue };
+                let way = body.local(moving.x[vertex], end[vertex]);
+                let Ok(meeting) = body.meet(way, body.nearest(way[1]), [0.0, 0.0], moving.dt) else { continue };
                 let depth = meeting.surface - meeting.normal.dot(end[vertex]);
                 if depth > 0.0 {
                     rescued += 1;
@@ -305,25 +317,25 @@ impl ContactLayer {
 
     /// Remembers the touches for the next substep.
     pub fn remember(&mut self, around: &Surroundings) {
-        self.memory.clear();
         let mut body: Option<(u32, Body)> = None;
-        for touch in self.touches.iter().filter(|touch| touch.is_active()) {
+        let Self { touches, memory, .. } = self;
+        memory.replace(touches.iter().filter(|touch| touch.is_active()).map(|touch| {
             let collider = &around.colliders[touch.collider as usize];
-            if body.as_ref().is_none_or(|(index, _)| *index != touch.collider) {
-                body = Some((touch.collider, Body::new(collider, around.from, around.to)));
-            }
-            let Some((_, body)) = &body else { continue };
+            let body = match &mut body {
+                Some((index, body)) if *index == touch.collider => body,
+                other => &mut other.insert((touch.collider, Body::new(collider, around.from, around.to))).1,
+            };
             let normal_force = touch.normal.dot(touch.force);
-            self.memory.push(Memory {
+            Memory {
                 collider: collider.id,
-                vertex: touch.vertices[0],
+                feature: touch.feature,
+                vertices: touch.vertices,
                 normal_force,
                 before: touch.last,
                 friction: body.turn_back(touch.force - normal_force * touch.normal),
                 slipping: if let Case::Slip(way) = touch.case { Some(body.turn_back(way)) } else { None },
-            });
-        }
-        self.memory.sort_by_key(|memory| (memory.collider, memory.vertex));
+            }
+        }));
     }
 
     /// Forgets everything: the cloth was put elsewhere.
@@ -331,6 +343,7 @@ impl ContactLayer {
         self.touches.clear();
         self.room.clear();
         self.memory.clear();
+        self.features.clear();
     }
 }
 

@@ -2,6 +2,7 @@
 
 use bevy::math::{DMat3, DVec3};
 
+use super::between::Between;
 use super::collider::{Collider, Pose};
 use super::surface::{Nearest, Surface};
 
@@ -84,18 +85,25 @@ impl<'a> Body<'a> {
         self.end.rotation.transpose() * vector
     }
 
-    /// The nearest point of the surface at the end of the step, for a point of the world.
-    #[cfg(test)]
-    pub fn nearest(&self, x: DVec3) -> Nearest {
-        self.surface.nearest(self.end.local(x))
+    /// The nearest point of the surface, all in the frame of the collider.
+    pub fn nearest(&self, point: DVec3) -> Nearest {
+        self.surface.nearest(point)
     }
 
-    /// The meeting with a point that goes from `x` to about `y`, if it comes closer than `reach`; it keeps `thickness` (all m).
-    /// Otherwise the distance there is room for.
-    pub fn meet(&self, x: DVec3, y: DVec3, thickness: f64, reach: f64, dt: f64) -> Result<Meeting, f64> {
-        let to = self.end.local(y);
-        let mut nearest = self.surface.nearest(to);
-        let from = self.start.local(x);
+    /// Points of the world at the start and at the end, in the frame of the collider.
+    pub fn local(&self, start: DVec3, end: DVec3) -> [DVec3; 2] {
+        [self.start.local(start), self.end.local(end)]
+    }
+
+    /// The meeting with a point that goes `from` somewhere `to` about there, in the frame of the collider, to which the surface is
+    /// `nearest`, if it comes closer than `reach`; it keeps `thickness` (all m). Otherwise the distance there is room for.
+    pub fn meet(
+        &self,
+        [from, to]: [DVec3; 2],
+        mut nearest: Nearest,
+        [thickness, reach]: [f64; 2],
+        dt: f64,
+    ) -> Result<Meeting, f64> {
         let way = from.distance(to);
         // What is further from the surface than it goes has not met it.
         if nearest.distance > reach && nearest.distance >= way {
@@ -114,16 +122,25 @@ impl<'a> Body<'a> {
         if nearest.distance > reach {
             return Err(nearest.distance - reach);
         }
-        let missing = thickness - before.distance;
-        let gap = if missing > 0.0 {
-            before.distance + missing * RECOVERY.min(RECOVERY_SPEED * dt / missing)
-        } else {
-            thickness
-        };
         let normal = self.end.rotation * nearest.normal;
-        let surface = normal.dot(y) - nearest.distance;
-        Ok(Meeting { normal, offset: surface + gap, surface, carried: self.end.place(from) })
+        let surface = normal.dot(self.end.place(to)) - nearest.distance;
+        let offset = surface + kept(before.distance, thickness, dt);
+        Ok(Meeting { normal, offset, surface, carried: self.end.place(from) })
     }
+
+    /// The meeting of a place of a triangle that is `from` in the frame of the collider when the step begins.
+    pub fn meet_between(&self, from: DVec3, between: &Between, radius: f64, thickness: f64, dt: f64) -> Meeting {
+        let normal = self.end.rotation * between.normal;
+        let surface = normal.dot(self.end.place(between.place)) + radius;
+        let before = between.normal.dot(from - between.place) - radius;
+        Meeting { normal, offset: surface + kept(before, thickness, dt), surface, carried: self.end.place(from) }
+    }
+}
+
+/// The distance that is kept by what was so far away before, m.
+fn kept(before: f64, thickness: f64, dt: f64) -> f64 {
+    let missing = thickness - before;
+    if missing > 0.0 { before + missing * RECOVERY.min(RECOVERY_SPEED * dt / missing) } else { thickness }
 }
 
 #[cfg(test)]
@@ -133,11 +150,16 @@ mod tests {
 
     use super::*;
 
+    fn meet(body: &Body, x: DVec3, y: DVec3, dt: f64) -> Meeting {
+        let way = body.local(x, y);
+        body.meet(way, body.nearest(way[1]), [0.003, 0.006], dt).unwrap()
+    }
+
     #[test]
     fn a_fast_point_meets_the_side_that_it_came_from() {
         let wall = Collider::fixed(0, SharedShape::cuboid(1.0, 1.0, 0.005), Pose::IDENTITY, 0.5);
         let body = Body::new(&wall, 0.0, 1.0);
-        let meeting = body.meet(DVec3::Z * 0.3, DVec3::Z * -0.5, 0.003, 0.006, 0.016).unwrap();
+        let meeting = meet(&body, DVec3::Z * 0.3, DVec3::Z * -0.5, 0.016);
         assert!(meeting.normal.distance(DVec3::Z) < 1e-12 && (meeting.offset - 0.008).abs() < 1e-8, "{meeting:?}");
     }
 
@@ -146,7 +168,7 @@ mod tests {
         let (start, end) = (Pose::at(DVec3::new(0.0, 1.0, 0.0)), Pose::at(DVec3::new(0.0, -1.0, 0.0)));
         let ball = Collider { start, end, ..Collider::fixed(0, SharedShape::ball(0.1), start, 0.5) };
         let body = Body::new(&ball, 0.0, 1.0);
-        let meeting = body.meet(DVec3::ZERO, DVec3::ZERO, 0.003, 0.006, 0.016).unwrap();
+        let meeting = meet(&body, DVec3::ZERO, DVec3::ZERO, 0.016);
         // Carried before the ball: below where it ends.
         assert!(meeting.normal.distance(DVec3::NEG_Y) < 1e-9 && (meeting.offset - 1.103).abs() < 1e-8, "{meeting:?}");
         assert!(meeting.carried.distance(DVec3::new(0.0, -2.0, 0.0)) < 1e-12);
@@ -157,7 +179,7 @@ mod tests {
         let ball = Collider::fixed(0, SharedShape::ball(0.5), Pose::IDENTITY, 0.5);
         let body = Body::new(&ball, 0.0, 1.0);
         let x = DVec3::new(0.2, 0.0, 0.0);
-        let meeting = body.meet(x, x, 0.003, 0.006, 0.01).unwrap();
+        let meeting = meet(&body, x, x, 0.01);
         assert!((meeting.offset - (0.2 + 0.005)).abs() < 1e-12, "{meeting:?}");
         assert!((body.nearest(x).distance + 0.3).abs() < 1e-12);
     }
@@ -168,7 +190,7 @@ mod tests {
         let disc =
             Collider { end: turned, ..Collider::fixed(0, SharedShape::cylinder(0.01, 1.0), Pose::IDENTITY, 0.5) };
         let x = DVec3::new(0.5, 0.012, 0.0);
-        let meeting = Body::new(&disc, 0.0, 1.0).meet(x, x, 0.003, 0.006, 0.016).unwrap();
+        let meeting = meet(&Body::new(&disc, 0.0, 1.0), x, x, 0.016);
         assert!(meeting.carried.distance(turned.rotation * x) < 1e-12 && meeting.normal.y > 0.999);
     }
 }

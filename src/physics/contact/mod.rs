@@ -3,9 +3,13 @@
 //! [`Collider`] (a shape that moves from one pose to another) → where a point meets it (`surface`, `meeting`) → a `Touch` with its
 //! law of force (`touch`) → one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each (`layer`).
 
+mod between;
 mod collider;
+mod features;
+mod find;
 mod layer;
 mod meeting;
+mod memory;
 mod surface;
 mod touch;
 

@@ -12,6 +12,9 @@ use crate::physics::assembly::ContactTerm;
 /// Share of the thickness that may be missing to what was not in touch.
 const DEEP: f64 = 0.3;
 
+/// In place of a corner or an edge: all of the surface.
+pub(super) const SURFACE: u32 = u32::MAX;
+
 /// Which case of the law holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Case {
@@ -31,6 +34,8 @@ pub(super) struct Touch {
     pub weights: [f64; 3],
     /// Index of the collider.
     pub collider: u32,
+    /// The corner or edge of the collider; [`SURFACE`] for a vertex.
+    pub feature: u32,
     /// n.
     pub normal: DVec3,
     /// o, m.
@@ -198,6 +203,7 @@ mod tests {
             vertices: [0; 3],
             weights: [1.0, 0.0, 0.0],
             collider: 0,
+            feature: SURFACE,
             normal: DVec3::Y,
             offset: 0.003,
             surface: 0.0,

@@ -1,0 +1,135 @@
+//! Which vertices and triangles of a cloth come near a collider in a step.
+
+use bevy::math::DVec3;
+
+use super::between::{Limits, Passing};
+use super::features::Features;
+use super::layer::{Moving, Surroundings};
+use super::meeting::{Body, Meeting};
+use super::surface::Nearest;
+use super::touch::SURFACE;
+
+/// Points are watched which come as near as so many thicknesses.
+const REACH: f64 = 2.0;
+/// Share of the thickness that a triangle may bulge into a round surface by, which its vertices keep.
+const BULGE: f64 = 0.5;
+/// What is so many thicknesses inside came from another side.
+const DEEPEST: f64 = 4.0;
+
+/// A place of the cloth, and where it meets a collider.
+pub(super) struct Found {
+    /// Rising where there are several; the rest repeat the first.
+    pub vertices: [u32; 3],
+    pub weights: [f64; 3],
+    pub feature: u32,
+    pub meeting: Meeting,
+}
+
+/// The triangles of a cloth.
+#[derive(Default)]
+pub(super) struct Faces {
+    pub triangles: Vec<[u32; 3]>,
+    /// Length of the longest side at rest, m.
+    pub longest: f64,
+}
+
+/// A vertex, in the frame of a collider.
+#[derive(Clone, Copy)]
+pub(super) struct Near {
+    /// Where it is when the step begins, and where it would go, m.
+    way: [DVec3; 2],
+    /// The surface nearest to where it would go.
+    nearest: Nearest,
+}
+
+/// Where a vertex would go if nothing but gravity acted on it.
+pub(super) fn free(moving: &Moving, vertex: usize) -> DVec3 {
+    moving.x[vertex] + moving.dt * (moving.v[vertex] + moving.dt * moving.gravity)
+}
+
+/// Points that come nearer than this are watched, m.
+pub(super) fn reach(around: &Surroundings) -> f64 {
+    REACH * around.settings.thickness
+}
+
+/// Finds vertices near the surface. Takes down where it is nearest to each, and how much room those have that are not near.
+pub(super) fn vertices(
+    body: &Body,
+    around: &Surroundings,
+    moving: &Moving,
+    near: &mut Vec<Near>,
+    room: &mut [f64],
+    mut then: impl FnMut(Found),
+) {
+    let limits = [around.settings.thickness, reach(around)];
+    near.clear();
+    for (vertex, room) in room.iter_mut().enumerate() {
+        let way = body.local(moving.x[vertex], free(moving, vertex));
+        let nearest = body.nearest(way[1]);
+        near.push(Near { way, nearest });
+        if moving.held[vertex] {
+            continue;
+        }
+        match body.meet(way, nearest, limits, moving.dt) {
+            Ok(meeting) => {
+                *room = 0.0;
+                then(Found { vertices: [vertex as u32; 3], weights: [1.0, 0.0, 0.0], feature: SURFACE, meeting });
+            }
+            Err(free) => *room = room.min(free),
+        }
+    }
+}
+
+/// Finds corners and edges between the vertices of triangles, of which it is known where they are.
+pub(super) fn between(
+    body: &Body,
+    features: &Features,
+    faces: &Faces,
+    around: &Surroundings,
+    moving: &Moving,
+    near: &[Near],
+    mut then: impl FnMut(Found),
+) {
+    let thickness = around.settings.thickness;
+    let limits = Limits { thickness, reach: reach(around), deepest: features.core.min(DEEPEST * thickness) };
+    // How far a side goes into a surface that turns by an angle along it, as an arc over its chord.
+    let bulges = |turn: f64| 0.125 * turn * faces.longest > BULGE * thickness;
+    for triangle in &faces.triangles {
+        let corners = triangle.map(|vertex| near[vertex as usize]);
+        let passing = Passing { start: corners.map(|corner| corner.way[0]), end: corners.map(|corner| corner.way[1]) };
+        let fast = faces.longest.max(limits.reach);
+        let travel = passing.travel();
+        // A triangle that meets something somewhere has no vertex further from it than its sides are long.
+        let closest = corners.iter().map(|corner| corner.nearest.distance).fold(f64::INFINITY, f64::min);
+        if closest > limits.reach + faces.longest + travel {
+            continue;
+        }
+        let turn = |i: usize, j: usize| corners[i].nearest.normal.distance(corners[j].nearest.normal);
+        if travel < fast && !bulges(turn(0, 1).max(turn(1, 2)).max(turn(2, 0))) {
+            continue;
+        }
+        if triangle.iter().all(|&vertex| moving.held[vertex as usize]) {
+            continue;
+        }
+        let [low, high] = passing.bounds(limits.reach);
+        features.near(low, high, |index, feature| {
+            if !bulges(feature.angle.min(faces.longest / feature.radius.max(f64::MIN_POSITIVE))) {
+                return;
+            }
+            passing.meet(feature, limits, |between| {
+                let from: DVec3 = (0..3).map(|i| between.weights[i] * passing.start[i]).sum();
+                let meeting = body.meet_between(from, &between, feature.radius, thickness, moving.dt);
+                let (vertices, weights) = in_order(*triangle, between.weights);
+                then(Found { vertices, weights, feature: index, meeting });
+            });
+        });
+    }
+}
+
+/// The same for every triangle that has the place: vertices rising, without those that have no part in it.
+fn in_order(vertices: [u32; 3], weights: [f64; 3]) -> ([u32; 3], [f64; 3]) {
+    let mut pairs = [0, 1, 2].map(|i| (weights[i] == 0.0, vertices[i], weights[i]));
+    pairs.sort_unstable_by_key(|&(none, vertex, _)| (none, vertex));
+    let first = pairs[0].1;
+    (pairs.map(|(none, vertex, _)| if none { first } else { vertex }), pairs.map(|pair| pair.2))
+}
