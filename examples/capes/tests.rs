@@ -22,11 +22,12 @@ fn places(app: &mut App) -> Vec<Vec3> {
 }
 
 #[test]
-fn the_capes_follow_the_figures_and_stay_outside_of_them() {
+fn the_capes_follow_the_figures_stay_outside_of_them_and_are_reset_with_them() {
     let mut app = scene();
     assert_eq!(deepest(app.world_mut()), 0.0, "the capes are cut to fit");
-    let mut before = places(&mut app);
-    for tick in 1..=150 {
+    let beginning = places(&mut app);
+    let mut before = beginning.clone();
+    for tick in 1..=120 {
         step(&mut app).expect("no error");
         let now = places(&mut app);
         let speed = 60.0 * now[0].distance(before[0]);
@@ -43,15 +44,7 @@ fn the_capes_follow_the_figures_and_stay_outside_of_them() {
         let away = figures.iter().map(|figure| figure.xz().distance(middle.as_vec3().xz())).fold(f32::MAX, f32::min);
         assert!(away < 0.5, "a cape is {away} m from the nearest figure");
     }
-}
 
-#[test]
-fn a_reset_puts_the_figures_back_before_their_capes() {
-    let mut app = scene();
-    let beginning = places(&mut app);
-    for _ in 0..100 {
-        step(&mut app).expect("no error");
-    }
     assert!(places(&mut app)[0].distance(beginning[0]) > 0.5);
     app.world_mut().trigger(SceneReset);
     let capes: Vec<Entity> = {

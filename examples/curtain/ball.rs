@@ -15,11 +15,11 @@ pub const RADIUS: f32 = 0.12;
 const MASS: f32 = 0.62;
 
 /// Where it is thrown from, in metres.
-const HAND: Vec3 = Vec3::new(0.15, 1.05, 2.3);
+const HAND: Vec3 = Vec3::new(0.10, 1.05, 2.3);
 /// How it is thrown, in metres per second.
-const THROW: Vec3 = Vec3::new(-0.3, 1.8, -6.5);
+const THROW: Vec3 = Vec3::new(-0.2, 1.9, -6.0);
 /// When, in seconds: the curtain has settled.
-pub const THROWN_AT: f32 = 0.85;
+pub const THROWN_AT: f32 = 0.55;
 
 /// Speed after a bounce, relative to that before it.
 const BOUNCE: f32 = 0.7;
@@ -41,6 +41,8 @@ pub fn build(world: &mut World) {
     let mut ball = solid(world, Sphere::new(RADIUS), &rubber, Transform::from_translation(HAND));
     ball.insert((Name::new("Ball"), Ball { velocity: THROW }));
     if let Some(mut collider) = ball.get_mut::<ClothCollider>() {
+        // Polished: folds slide over it.
+        collider.friction = 0.0;
         // Back to the hand it jumps.
         collider.teleport_distance = 0.5;
     }

@@ -21,6 +21,6 @@ struct Cli {
 
 fn main() -> AppExit {
     let Cli { run } = Cli::parse();
-    let fabric = run.fabric.unwrap_or_else(Fabric::wool);
-    run.show("curtain", CurtainPlugin { fabric, cells_per_pleat: 6 })
+    let fabric = run.fabric.unwrap_or_else(Fabric::cotton);
+    run.show("curtain", CurtainPlugin { fabric, cells_per_pleat: 8 })
 }

@@ -19,11 +19,11 @@ pub const HEIGHT: f32 = 2.2;
 /// From the rings to the hem, in metres.
 const LENGTH: f32 = 2.05;
 /// Width of the flat cloth in metres.
-const CLOTH_WIDTH: f32 = 2.5;
+const CLOTH_WIDTH: f32 = 2.0;
 /// It is gathered to this, in metres.
-const HUNG_WIDTH: f32 = 2.0;
+const HUNG_WIDTH: f32 = 1.6;
 /// Waves along the rod.
-const PLEATS: usize = 10;
+const PLEATS: usize = 8;
 
 pub struct CurtainPlugin {
     pub fabric: Fabric,
@@ -40,7 +40,7 @@ impl Plugin for CurtainPlugin {
 }
 
 fn build(world: &mut World, fabric: Fabric, cells_per_pleat: usize) {
-    let camera = OrbitCamera { focus: Vec3::new(0.0, 1.08, 0.2), distance: 3.7, yaw: -2.35, pitch: 0.1 };
+    let camera = OrbitCamera { focus: Vec3::new(0.1, 1.08, -0.35), distance: 3.9, yaw: -2.25, pitch: 0.12 };
     let stage = Stage { floor: Vec3::ZERO, radius: 2.0, yaw: camera.yaw };
     let camera = world.spawn(camera).id();
     world.insert_resource(SceneCamera(camera));
@@ -74,6 +74,8 @@ fn build(world: &mut World, fabric: Fabric, cells_per_pleat: usize) {
         // What lies between the vertices keeps clear of the ball too.
         ClothContact { thickness: 0.008, ..default() },
         ClothContacts::default(),
+        // The ball goes two cells in a step: what it hits has to follow.
+        ClothQuality::High,
     ));
 }
 
