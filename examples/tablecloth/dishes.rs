@@ -17,9 +17,9 @@ pub fn build(world: &mut World, table: f32) {
         world,
         StandardMaterial { base_color: Color::srgb(0.93, 0.93, 0.90), perceptual_roughness: 0.25, ..default() },
     );
-    bowl(world, &china, at(-0.13, -0.10));
-    teapot(world, at(0.22, -0.20));
-    for (x, z) in [(-0.26, 0.24), (0.20, 0.22)] {
+    bowl(world, &china, at(-0.15, -0.13));
+    teapot(world, at(0.24, -0.20));
+    for (x, z) in [(-0.28, 0.27), (0.25, 0.29)] {
         plate_and_cup(world, &china, at(x, z));
     }
 }
@@ -43,7 +43,6 @@ fn bowl(world: &mut World, china: &Look, place: Vec3) {
         let around = Quat::from_rotation_y(TAU * nth as f32 / 3.0) * Vec3::new(0.05, 0.078, 0.0);
         solid(world, orange, &peel, Transform::from_translation(place + around));
     }
-    solid(world, orange, &peel, Transform::from_translation(place + Vec3::new(0.0, 0.143, 0.0)));
 }
 
 /// A teapot: several shapes in one collider.

@@ -50,7 +50,7 @@ fn the_cloth_falls_over_the_table_and_what_is_on_it_and_a_reset_lifts_it() {
     let hanging = draped.iter().filter(|position| position.y < table::HEIGHT - 0.1).count();
     assert!(hanging > 30, "{hanging} of {} hang down", draped.len());
     let highest = draped.iter().map(|position| position.y).fold(0.0, f32::max);
-    assert!((0.15..0.25).contains(&(highest - table::HEIGHT)), "the oranges hold it up: {highest}");
+    assert!((0.15..0.25).contains(&(highest - table::HEIGHT)), "the teapot holds it up: {highest}");
     let depth = deepest(app.world_mut());
     assert!(depth < 1e-3, "{depth} m inside a dish");
 
