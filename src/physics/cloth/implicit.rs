@@ -352,6 +352,10 @@ impl<T: Scalar> Implicit<T> {
 }
 
 impl<T: Scalar> Engine for Implicit<T> {
+    fn pieces(&self, step: Step, state: &State) -> u32 {
+        self.impact_pieces(step, state)
+    }
+
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault> {
         // First, as a solve changes the turns of mid-edge normals, and with them the energy.
         let mut checked = self.checked(step, state);
@@ -367,7 +371,7 @@ impl<T: Scalar> Engine for Implicit<T> {
         }
         let solved = self.iterate(linear, newton_steps, step, state, report).map(|()| {
             self.finish(scheme, step, state);
-            self.guard(step, state, report);
+            report.rescues += self.guard(step, state);
         });
         let energy = match solved.ok().and_then(|()| self.acceptable(&mut checked, step, state, report)) {
             Some(energy) => {
@@ -380,12 +384,7 @@ impl<T: Scalar> Engine for Implicit<T> {
                 // Where the step would have led must not be in the energy it started with.
                 self.settle(&state.positions);
                 let checked = self.checked(step, state);
-                let energy = self.fall_back(checked, step, state, report)?;
-                if self.guard(step, state, report) {
-                    self.system.energy(&self.candidate.positions).total()
-                } else {
-                    energy
-                }
+                self.fall_back(checked, step, state, report)?
             }
         };
         self.contact.remember(&step.around);

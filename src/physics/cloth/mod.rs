@@ -6,31 +6,28 @@ mod integrator;
 mod measure;
 mod pins;
 mod quality;
+mod report;
 mod rigid;
 mod safeguard;
 mod settings;
 mod touching;
 
-use core::time::Duration;
-
 use bevy::math::{DAffine3, DVec3};
 use bevy::platform::time::Instant;
-use bevy::reflect::Reflect;
-use thiserror::Error;
 
 use self::engine::Engine;
 use self::pins::Pins;
 pub use integrator::Integrator;
 pub use measure::{Energy, Stretch};
 pub use quality::Quality;
+pub use report::{ClothFault, StepOutcome, StepReport};
 pub use settings::{Precision, SettingsError, SolverSettings};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;
-use crate::physics::contact::{Collider, Contact, ContactSettings, Surroundings};
+use crate::physics::contact::{Collider, Contact, ContactSettings, Surroundings, merged};
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
-use crate::physics::solve::SolveError;
 
 /// Positions and velocities of the simulated vertices, in world space.
 #[derive(Clone, Debug)]
@@ -75,69 +72,14 @@ pub struct Cloth {
     pins: Pins,
     colliders: Vec<Collider>,
     contact_settings: ContactSettings,
+    /// Touches of the last step, in the order of the engine, of all of its substeps but the last.
+    earlier_contacts: Vec<Contact>,
+    /// Share of the last step that its last substep had.
+    last_share: f64,
     /// The state in the order of the shape.
     shown: State,
     masses: Vec<f64>,
     engine: Box<dyn Engine>,
-}
-
-/// How a step went.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepReport {
-    /// Whether the cloth moved on.
-    pub outcome: StepOutcome,
-    /// Iterations of the linear solver, all substeps together.
-    pub iterations: u32,
-    /// Substeps that failed the energy check and were taken again by the fallback.
-    pub fallbacks: u32,
-    /// Substeps after which velocities were scaled down, so that no energy is gained.
-    pub velocity_clamps: u32,
-    /// Solves of substeps in which contact was wrong at first.
-    pub contact_solves: u32,
-    /// Vertices that ended inside a collider and were moved out of it.
-    pub rescues: u32,
-    /// Time spent on finding contacts.
-    pub contact: Duration,
-    /// Time spent on A and b.
-    pub assembly: Duration,
-    /// Time spent on preparing the solver: the preconditioner, or the factorisation.
-    pub preconditioner: Duration,
-    /// Time spent on solving.
-    pub solve: Duration,
-    /// Time of the whole step.
-    pub total: Duration,
-}
-
-/// Whether a step was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepOutcome {
-    /// The cloth moved on.
-    Accepted,
-    /// It stays where it was, at rest.
-    Rejected(ClothFault),
-}
-
-/// Why a step could not be taken.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq, Reflect)]
-pub enum ClothFault {
-    /// The time step is negative or not a number.
-    #[error("the time step is negative or not finite")]
-    TimeStep,
-    /// The state, a pin target or gravity is not finite, or so large that the forces are not.
-    #[error("positions, velocities, pin targets or forces are not finite")]
-    NotFinite,
-    /// The matrix is not positive definite in the chosen precision.
-    #[error("the linear system could not be solved in this precision")]
-    Solver,
-}
-
-impl From<SolveError> for ClothFault {
-    fn from(error: SolveError) -> Self {
-        match error {
-            SolveError::NotPositiveDefinite => Self::Solver,
-            SolveError::NotFinite => Self::NotFinite,
-        }
-    }
 }
 
 impl Cloth {
@@ -164,6 +106,8 @@ impl Cloth {
             pins: Pins::new(count),
             colliders: Vec::new(),
             contact_settings: ContactSettings::default(),
+            earlier_contacts: Vec::new(),
+            last_share: 1.0,
             ordering,
             shown,
             masses,
@@ -323,9 +267,10 @@ impl Cloth {
         self.contact_settings = settings;
     }
 
-    /// Where the cloth touched colliders in the last step.
+    /// Where the cloth touched colliders in the last step. Forces are means over the step: times its length they are impulses.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> {
-        self.engine.contacts(&self.colliders).into_iter().map(|contact| Contact {
+        let last = self.engine.contacts(&self.colliders).into_iter().map(|contact| contact.scaled(self.last_share));
+        merged(last.chain(self.earlier_contacts.iter().copied())).into_iter().map(|contact| Contact {
             vertices: contact.vertices.map(|vertex| self.ordering.outer[vertex as usize]),
             ..contact
         })
@@ -336,19 +281,7 @@ impl Cloth {
     /// Never panics: a step that cannot be taken leaves the cloth where it is, at rest, and says so in the report.
     pub fn step(&mut self, dt: f64) -> StepReport {
         let start = Instant::now();
-        let mut report = StepReport {
-            outcome: StepOutcome::Accepted,
-            iterations: 0,
-            fallbacks: 0,
-            velocity_clamps: 0,
-            contact_solves: 0,
-            rescues: 0,
-            contact: Duration::ZERO,
-            assembly: Duration::ZERO,
-            preconditioner: Duration::ZERO,
-            solve: Duration::ZERO,
-            total: Duration::ZERO,
-        };
+        let mut report = StepReport::NONE;
         if dt != 0.0
             && let Err(fault) = self.try_step(dt, &mut report)
         {
@@ -365,18 +298,36 @@ impl Cloth {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(ClothFault::TimeStep);
         }
-        let substeps = self.settings.substeps.max(1);
-        let Self { ordering, gravity, inner_masses, mass, state, pins, colliders, contact_settings, engine, .. } = self;
-        let share = |done| f64::from(done) / f64::from(substeps);
+        let Self { ordering, gravity, inner_masses, mass, state, pins, colliders, engine, earlier_contacts, .. } = self;
+        earlier_contacts.clear();
+        let settings = self.contact_settings;
+        let around = |from, to| Surroundings { colliders, settings, from, to };
+        let least = self.settings.substeps.max(1);
         in_pool(ordering.part_starts.len(), || {
+            let whole = engine::Step {
+                dt,
+                gravity: *gravity,
+                masses: inner_masses,
+                mass: *mass,
+                pins,
+                around: around(0.0, 1.0),
+            };
+            let substeps = least.max(engine.pieces(whole, state));
+            let share = |done| f64::from(done) / f64::from(substeps);
+            self.last_share = share(1);
             (1..=substeps).rev().try_for_each(|remaining| {
                 pins.advance(&state.positions, remaining);
-                let dt = dt / f64::from(substeps);
                 let done = substeps - remaining;
-                let around =
-                    Surroundings { colliders, settings: *contact_settings, from: share(done), to: share(done + 1) };
+                let around = around(share(done), share(done + 1));
+                let dt = dt / f64::from(substeps);
                 let step = engine::Step { dt, gravity: *gravity, masses: inner_masses, mass: *mass, pins, around };
-                engine.step(step, state, report)
+                report.substeps += 1;
+                engine.step(step, state, report)?;
+                if remaining > 1 && !colliders.is_empty() {
+                    let contacts = engine.contacts(colliders).into_iter();
+                    earlier_contacts.extend(contacts.map(|contact| contact.scaled(share(1))));
+                }
+                Ok::<_, ClothFault>(())
             })
         })?;
         for collider in &mut self.colliders {

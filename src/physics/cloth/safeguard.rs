@@ -101,6 +101,14 @@ impl<T: Scalar> Implicit<T> {
             *y = x + dt * v;
         }
         self.inertia.clear();
+        self.candidate.positions.copy_from_slice(&self.point);
+        if self.guard(step, state) > 0 {
+            // Like what pins are dragged to, what colliders push before them is their work.
+            let pushed = self.system.energy(&self.candidate.positions).total();
+            self.point.copy_from_slice(&self.candidate.positions);
+            budget.start = self.potential(step, state, pushed);
+            budget.elastic = pushed;
+        }
         self.contact.brace(&self.point);
         let mut reached = (budget.start + self.contact.potential(&self.point), budget.elastic);
         if !budget.start.is_finite() {
@@ -122,6 +130,12 @@ impl<T: Scalar> Implicit<T> {
                 Err(ClothFault::Solver) => self.descend_by_diagonal(step),
                 Err(fault) if newton == 0 => return Err(fault),
                 Err(_) => break,
+            }
+            if self.find_late_contact(step, state) {
+                self.contact.brace(&self.point);
+                if self.solve(linear, Guess::Downhill, step, state, report).is_err() {
+                    break;
+                }
             }
             // A solve brings the turns of mid-edge normals closer to their minimum: that is no work of the moves.
             let elastic = self.system.energy(&self.point).total();
@@ -198,6 +212,7 @@ impl<T: Scalar> Implicit<T> {
                 let d = if held[vertex] { DVec3::ZERO } else { self.moves[vertex] };
                 *c = self.point[vertex] + share * d;
             }
+            self.guard(step, state);
             let elastic = self.system.energy(&self.candidate.positions).total();
             let lower = self.potential(step, state, elastic) + self.contact.potential(&self.candidate.positions);
             if lower <= phi + DECREASE * share * slope.min(0.0) + if share < LEAST_SHARE { 0.0 } else { slack } {

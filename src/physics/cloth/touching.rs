@@ -17,6 +17,12 @@ use crate::physics::mesh::RestShape;
 /// Solves beyond the first, at most, in which touches are let go, found or begin to slip.
 const CONTACT_STEPS: u32 = 2;
 
+/// How far a surface may come into the free way of a vertex in a substep, in sides of triangles: what is pushed on further while
+/// those beside it are not is torn about.
+const LEAP: f64 = 0.5;
+/// Substeps, at most, that an impact is taken in.
+const MOST_PIECES: f64 = 16.0;
+
 fn moving<'a>(step: &Step<'a>, state: &'a State) -> Moving<'a> {
     Moving {
         x: &state.positions,
@@ -49,6 +55,13 @@ impl<T: Scalar> Implicit<T> {
         !self.contact.is_empty()
     }
 
+    /// Substeps in which nothing comes into the cloth too far at once.
+    pub fn impact_pieces(&self, step: Step, state: &State) -> u32 {
+        let leap = LEAP * self.contact.longest_side();
+        let deepest = self.contact.coming(&step.around, &moving(&step, state), leap);
+        (deepest / leap).ceil().clamp(1.0, MOST_PIECES) as u32
+    }
+
     /// Lets what touches take a step of backward Euler.
     pub fn slow_down_touching(&mut self, gamma: f64, step: Step, state: &State) {
         let Self { contact, inertia, inertial, .. } = self;
@@ -69,6 +82,13 @@ impl<T: Scalar> Implicit<T> {
         contact.project(point, held);
     }
 
+    /// Finds what the last solve leads into; says whether there was anything.
+    pub fn find_late_contact(&mut self, step: Step, state: &State) -> bool {
+        let Self { contact, point, moves, .. } = self;
+        !step.around.colliders.is_empty()
+            && contact.find_late(&step.around, &moving(&step, state), |vertex| point[vertex] + moves[vertex])
+    }
+
     /// Judges contact by the last solve, and solves again where it was wrong.
     pub fn follow_contact(
         &mut self,
@@ -82,7 +102,9 @@ impl<T: Scalar> Implicit<T> {
         }
         for solves in 0.. {
             let Self { contact, point, moves, .. } = self;
-            let again = contact.judge(|vertex| point[vertex] + moves[vertex]);
+            let end = |vertex: usize| point[vertex] + moves[vertex];
+            let mut again = contact.judge(end);
+            again |= contact.find_late(&step.around, &moving(&step, state), end);
             if !again || solves == CONTACT_STEPS {
                 break;
             }
@@ -94,11 +116,9 @@ impl<T: Scalar> Implicit<T> {
         Ok(())
     }
 
-    /// Moves out what of the candidate ended inside a collider all the same; says whether there was anything.
-    pub fn guard(&mut self, step: Step, state: &State, report: &mut StepReport) -> bool {
+    /// Moves out what of the candidate ended inside a collider all the same; says how many vertices that were.
+    pub fn guard(&mut self, step: Step, state: &State) -> u32 {
         let Self { contact, candidate: State { positions, velocities }, .. } = self;
-        let rescued = contact.guard(&step.around, &moving(&step, state), positions, velocities);
-        report.rescues += rescued;
-        rescued > 0
+        contact.guard(&step.around, &moving(&step, state), positions, velocities)
     }
 }

@@ -140,3 +140,24 @@ pub struct Contact {
     /// Force on the cloth, normal and friction together, N. The collider feels the opposite.
     pub force: DVec3,
 }
+
+impl Contact {
+    /// With a share of its force.
+    pub(crate) fn scaled(self, share: f64) -> Self {
+        Self { force: share * self.force, ..self }
+    }
+}
+
+/// One of each kind, of the same vertices and collider, with the sum of their forces; the rest is that of the first.
+pub(crate) fn merged(contacts: impl Iterator<Item = Contact>) -> Vec<Contact> {
+    let mut all: Vec<_> = contacts.collect();
+    all.sort_by_key(|contact| (contact.collider, contact.vertices));
+    all.dedup_by(|next, kept| {
+        let same = (next.collider, next.vertices) == (kept.collider, kept.vertices);
+        if same {
+            kept.force += next.force;
+        }
+        same
+    });
+    all
+}

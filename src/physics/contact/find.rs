@@ -80,6 +80,22 @@ pub(super) fn vertices(
     }
 }
 
+/// How far a vertex that goes further than `least` would come into what is kept free, at most, m.
+pub(super) fn coming(body: &Body, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
+    let limits = [around.settings.thickness, reach(around)];
+    let mut deepest = 0.0_f64;
+    for vertex in (0..moving.x.len()).filter(|&vertex| !moving.held[vertex]) {
+        let end = free(moving, vertex);
+        let way = body.local(moving.x[vertex], end);
+        if way[0].distance_squared(way[1]) > least * least
+            && let Ok(meeting) = body.meet(way, body.nearest(way[1]), limits, moving.dt)
+        {
+            deepest = deepest.max(meeting.offset - meeting.normal.dot(end));
+        }
+    }
+    deepest
+}
+
 /// Finds corners and edges between the vertices of triangles, of which it is known where they are.
 pub(super) fn between(
     body: &Body,

@@ -10,7 +10,7 @@ use super::features::Features;
 use super::find::{self, Faces, Found, Near, free};
 use super::meeting::Body;
 use super::memory::{Memories, Memory};
-use super::touch::{Case, Touch};
+use super::touch::{Case, SURFACE, Touch};
 use crate::physics::assembly::ContactTerm;
 use crate::physics::material::Fabric;
 
@@ -18,10 +18,14 @@ use crate::physics::material::Fabric;
 const OVER_INERTIA: f64 = 4.0;
 /// Share of the thickness that its load presses it in by.
 const GIVE: f64 = 0.05;
+/// Its stiffness over that of the fabric, at most: what a harder one would hold out, the forces of earlier steps do.
+const STIFFEST: f64 = 10.0;
 /// Its stiffness over that of the fabric, where the fabric pulls it in.
 const OVER_FABRIC: f64 = 0.05;
 /// Share of the thickness that what was rescued is away from the surface.
 const MARGIN: f64 = 0.05;
+/// Times that a vertex is moved out of a collider in a substep.
+const RESCUES: usize = 3;
 /// Share of the forces of contact that may be wrong.
 const WRONG: f64 = 0.1;
 
@@ -83,6 +87,29 @@ impl ContactLayer {
     /// Changes the fabric, which says how stiff contact must be.
     pub fn set_fabric(&mut self, fabric: &Fabric) {
         self.fabric = f64::from(fabric.warp_stiffness.max(fabric.weft_stiffness));
+    }
+
+    /// Length of the longest side of a triangle at rest, m.
+    pub fn longest_side(&self) -> f64 {
+        self.faces.longest
+    }
+
+    /// How far a vertex would come into what contact keeps free if nothing stopped it, at most, m; 0 if that is less than `least`.
+    pub fn coming(&self, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
+        let mut box_of_ways = None;
+        let mut deepest = 0.0_f64;
+        for collider in around.colliders {
+            let body = Body::new(collider, around.from, around.to);
+            let (low, high, fastest) = *box_of_ways.get_or_insert_with(|| {
+                let (low, high) = ways(moving);
+                let fastest = (0..moving.x.len()).map(|v| moving.x[v].distance_squared(free(moving, v)));
+                (low, high, fastest.fold(0.0, f64::max).sqrt())
+            });
+            if fastest + body.travel() > least && body.distance_to_box(low, high) == 0.0 {
+                deepest = deepest.max(find::coming(&body, around, moving, least));
+            }
+        }
+        deepest
     }
 
     /// Finds the touches of a substep.
@@ -175,7 +202,8 @@ impl ContactLayer {
         let load = touch.last.max(inertia * coming);
         let thickness = settings.thickness;
         let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
-        touch.stiffness = pulled + (OVER_INERTIA * inertia).max(load / (GIVE * thickness));
+        let stiff = (load / (GIVE * thickness)).min(STIFFEST * self.fabric);
+        touch.stiffness = pulled + (OVER_INERTIA * inertia).max(stiff);
         // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
         touch.choose(if touch.last > 0.0 { y } else { inertial });
         touch.stay(slipping, inertial);
@@ -266,6 +294,49 @@ impl ContactLayer {
         self.touches.iter().map(done).sum()
     }
 
+    /// Finds what would end inside a collider that it was not seen to come near, after a solve that leads to `end`. Says whether
+    /// there was anything.
+    pub fn find_late(&mut self, around: &Surroundings, moving: &Moving, end: impl Fn(usize) -> DVec3) -> bool {
+        let limits = [around.settings.thickness, find::reach(around)];
+        let mut any = false;
+        let bodies: Vec<_> = around.colliders.iter().map(|c| Body::new(c, around.from, around.to)).collect();
+        for vertex in 0..moving.x.len() {
+            let (room, end) = (self.room[vertex], end(vertex));
+            if moving.held[vertex] || end.distance_squared(free(moving, vertex)) < room * room {
+                continue;
+            }
+            for (index, body) in bodies.iter().enumerate() {
+                let way = body.local(moving.x[vertex], end);
+                let Ok(meeting) = body.meet(way, body.nearest(way[1]), limits, moving.dt) else { continue };
+                if meeting.surface - meeting.normal.dot(end) < 0.0 {
+                    continue;
+                }
+                let of_this = |touch: &&mut Touch| {
+                    touch.feature == SURFACE && touch.vertices[0] as usize == vertex && touch.collider as usize == index
+                };
+                match self.touches.iter_mut().find(of_this) {
+                    Some(touch) if touch.is_active() && touch.normal.dot(meeting.normal) > 0.9 => continue,
+                    Some(touch) => {
+                        touch.normal = meeting.normal;
+                        touch.offset = meeting.offset;
+                        touch.surface = meeting.surface;
+                        touch.choose(end);
+                    }
+                    None => {
+                        let vertices = [vertex as u32; 3];
+                        let found = Found { vertices, weights: [1.0, 0.0, 0.0], feature: SURFACE, meeting };
+                        self.touch(found, index, body, around, moving);
+                        if let Some(touch) = self.touches.last_mut() {
+                            touch.choose(end);
+                        }
+                    }
+                }
+                any = true;
+            }
+        }
+        any
+    }
+
     /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
     pub fn guard(&self, around: &Surroundings, moving: &Moving, end: &mut [DVec3], velocities: &mut [DVec3]) -> u32 {
         let mut rescued = 0;
@@ -275,7 +346,8 @@ impl ContactLayer {
             if moving.held[vertex] || end[vertex].distance_squared(free(moving, vertex)) < room * room {
                 continue;
             }
-            for body in &bodies {
+            // What is moved out of one part of a collider may be in another.
+            for body in bodies.iter().flat_map(|body| [body; RESCUES]) {
                 let way = body.local(moving.x[vertex], end[vertex]);
                 let Ok(meeting) = body.meet(way, body.nearest(way[1]), [0.0, 0.0], moving.dt) else { continue };
                 let depth = meeting.surface - meeting.normal.dot(end[vertex]);

@@ -70,6 +70,17 @@ impl<'a> Body<'a> {
         Self { surface, start, end, bounds }
     }
 
+    /// How far a point of the collider goes at most, m; infinite if it turns and has no end.
+    pub fn travel(&self) -> f64 {
+        let Some((low, high)) = self.bounds else {
+            let turns = self.start.rotation != self.end.rotation;
+            return if turns { f64::INFINITY } else { self.start.translation.distance(self.end.translation) };
+        };
+        let corners = [low.x, high.x].into_iter().flat_map(|x| [low.y, high.y].map(|y| (x, y)));
+        let corners = corners.flat_map(|(x, y)| [low.z, high.z].map(|z| DVec3::new(x, y, z)));
+        corners.map(|corner| corner.distance(self.end.place(self.start.local(corner)))).fold(0.0, f64::max)
+    }
+
     /// How far the collider stays from a box at least, m; 0 if that is not known.
     pub fn distance_to_box(&self, low: DVec3, high: DVec3) -> f64 {
         self.bounds.map_or(0.0, |(a, b)| (low - b).max(a - high).max_element().max(0.0))

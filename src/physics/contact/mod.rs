@@ -13,5 +13,6 @@ mod memory;
 mod surface;
 mod touch;
 
+pub(crate) use collider::merged;
 pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
