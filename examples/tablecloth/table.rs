@@ -1,7 +1,7 @@
 //! A round table on four legs.
 
 use bevy::prelude::*;
-use bevy_cloth::{parry3d::shape::SharedShape, prelude::*};
+use bevy_cloth::prelude::*;
 use example_common::{
     lathe::turned,
     props::{mesh, solid, wood},
@@ -14,25 +14,23 @@ pub const HEIGHT: f32 = 0.74;
 pub const RADIUS: f32 = 0.55;
 
 const THICKNESS: f32 = 0.044;
-/// Of the rounded edge, in metres.
-const EDGE: f32 = 0.018;
+/// Of the rounded edge, in metres: cloth feels a sharp one around it.
+const EDGE: f32 = 0.008;
 
 const LEG_RADIUS: f32 = 0.026;
 /// Distance of a leg from the middle of the table, in metres.
-const LEG_PLACE: f32 = 0.40;
+const LEG_PLACE: f32 = 0.34;
 
 pub fn build(world: &mut World) {
     let wood = wood(world);
     let (half, rim) = (0.5 * THICKNESS, RADIUS);
     let top = mesh(world, turned(&[(0.0, -half), (rim, -half), (rim, half), (0.0, half)], EDGE));
-    // A shape of parry's that `ClothCollider` has no name for.
-    let shape = SharedShape::round_cylinder(half - EDGE, RADIUS - EDGE, EDGE);
     world.spawn((
         Name::new("Table top"),
         top,
         wood.clone(),
         Transform::from_xyz(0.0, HEIGHT - half, 0.0),
-        ClothCollider::new(shape).with_friction(0.4),
+        ClothCollider::cylinder(RADIUS, THICKNESS).with_friction(0.4),
     ));
     let length = HEIGHT - THICKNESS;
     for nth in 0..4 {
