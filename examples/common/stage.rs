@@ -57,6 +57,8 @@ impl Stage {
                 color: Color::srgb(1.0, 0.95, 0.88),
                 illuminance: 8_500.0,
                 shadow_maps_enabled: true,
+                // Folds must not shade themselves where the light grazes them.
+                shadow_normal_bias: 4.0,
                 ..default()
             },
             cascades.build(),

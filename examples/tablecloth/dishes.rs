@@ -62,7 +62,8 @@ fn teapot(world: &mut World, place: Vec3) {
         (
             at(-0.086, 0.085).with_rotation(Quat::from_rotation_x(FRAC_PI_2)),
             handle.into(),
-            ClothCollider::hull_of_mesh(&handle.into()).expect("a body"),
+            // Nothing goes through it.
+            ClothCollider::cylinder(0.046, 0.016),
         ),
     ];
     let colliders = parts.iter().map(|(at, _, part)| (at.translation, at.rotation, part.clone()));
@@ -78,15 +79,17 @@ fn teapot(world: &mut World, place: Vec3) {
 /// A cup on a plate; of the cup, cloth feels the hull.
 fn plate_and_cup(world: &mut World, china: &Look, place: Vec3) {
     const PLATE: f32 = 0.014;
-    const CUP: [(f32, f32); 6] =
-        [(0.0, 0.0), (0.034, 0.0), (0.043, 0.085), (0.039, 0.085), (0.031, 0.006), (0.0, 0.006)];
+    const FOOT: (f32, f32) = (0.034, 0.0);
+    const RIM: (f32, f32) = (0.043, 0.085);
     solid(world, Cylinder::new(0.11, PLATE), china, Transform::from_translation(place + 0.5 * PLATE * Vec3::Y));
-    let cup = mesh(world, turned(&CUP, 0.003));
-    world.spawn((
-        Name::new("Cup"),
-        cup,
-        china.clone(),
-        Transform::from_translation(place + PLATE * Vec3::Y),
-        ClothMeshCollider { shape: ClothMeshShape::Hull, ..default() },
-    ));
+    let outline = [(0.0, 0.0), FOOT, RIM, (0.039, 0.085), (0.031, 0.006), (0.0, 0.006)];
+    let cup = mesh(world, turned(&outline, 0.003));
+    // The fewer points a hull has, the cheaper it is.
+    let around = |(radius, height): (f32, f32)| {
+        (0..16).map(move |nth| Quat::from_rotation_y(TAU * nth as f32 / 16.0) * Vec3::new(radius, height, 0.0))
+    };
+    let points: Vec<Vec3> = around(FOOT).chain(around(RIM)).collect();
+    let hull = ClothCollider::convex_hull(&points).expect("a body");
+    let standing = Transform::from_translation(place + PLATE * Vec3::Y);
+    world.spawn((Name::new("Cup"), cup, china.clone(), standing, hull));
 }
