@@ -1,6 +1,6 @@
 //! The scene of `capes` with bodies of Avian: their colliders are those of the cloth too.
 //!
-//! `cargo run --release -p bevy_cloth_examples --features avian3d --example capes_avian`
+//! `cargo run --release --features avian3d --example capes_avian`
 
 mod cape;
 mod figure;

@@ -138,4 +138,19 @@ mod tests {
         press(&mut app, KeyCode::ArrowRight);
         assert_eq!(fabric(&app), Some(presets[1]));
     }
+
+    #[test]
+    fn r_restarts_the_scene_before_its_cloths() {
+        #[derive(Resource, Default)]
+        struct Order(Vec<&'static str>);
+
+        let mut app = app();
+        app.init_resource::<Order>()
+            .add_systems(PreUpdate, reset)
+            .add_observer(|_: On<SceneReset>, mut order: ResMut<Order>| order.0.push("scene"))
+            .add_observer(|_: On<ClothReset>, mut order: ResMut<Order>| order.0.push("cloth"));
+        app.world_mut().spawn(ClothMesh::default());
+        press(&mut app, KeyCode::KeyR);
+        assert_eq!(app.world().resource::<Order>().0, ["scene", "cloth"]);
+    }
 }
