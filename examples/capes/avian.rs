@@ -27,6 +27,9 @@ struct Cli {
 
 /// A figure is a body; each of its parts has one of the body's colliders, marked as one for cloth.
 const BODIES: Bodies = Bodies {
+    engine: |app| {
+        app.add_plugins(PhysicsPlugins::default());
+    },
     figure: |figure| {
         figure.insert(RigidBody::Kinematic);
     },
@@ -38,7 +41,5 @@ const BODIES: Bodies = Bodies {
 fn main() -> AppExit {
     let Cli { run } = Cli::parse();
     let fabric = run.fabric.unwrap_or_else(Fabric::wool);
-    run.show("capes_avian", move |app: &mut App| {
-        app.add_plugins((PhysicsPlugins::default(), CapesPlugin { fabric, bodies: BODIES, columns: 32 }));
-    })
+    run.show("capes_avian", CapesPlugin { fabric, bodies: BODIES, columns: 32 })
 }

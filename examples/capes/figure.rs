@@ -14,6 +14,8 @@ pub const JUMP: f32 = 0.25;
 /// What makes a figure and its parts solid.
 #[derive(Clone, Copy)]
 pub struct Bodies {
+    /// Adds the physics engine that they belong to, if any.
+    pub engine: fn(&mut App),
     pub figure: fn(&mut EntityWorldMut),
     /// The capsule is that of the part.
     pub part: fn(&mut EntityWorldMut, Capsule3d),

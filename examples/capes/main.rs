@@ -24,6 +24,7 @@ struct Cli {
 
 /// Every part of a figure has a collider of its own.
 const BODIES: Bodies = Bodies {
+    engine: |_| {},
     figure: |_| {},
     part: |part, capsule| {
         part.insert(ClothCollider::from(capsule));

@@ -26,6 +26,7 @@ pub struct CapesPlugin {
 impl Plugin for CapesPlugin {
     fn build(&self, app: &mut App) {
         let (fabric, bodies, columns) = (self.fabric, self.bodies, self.columns);
+        (bodies.engine)(app);
         app.add_systems(Startup, move |world: &mut World| build(world, fabric, bodies, columns))
             .add_systems(FixedUpdate, walk.before(ClothSystems::Collect))
             .add_observer(restart)

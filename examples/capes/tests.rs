@@ -9,8 +9,6 @@ use example_common::{
 
 fn scene() -> App {
     start(None, |app| {
-        #[cfg(feature = "avian3d")]
-        app.add_plugins(avian3d::prelude::PhysicsPlugins::default());
         app.add_plugins(CapesPlugin { fabric: Fabric::wool(), bodies: BODIES, columns: 12 });
     })
     .expect("a scene")
