@@ -9,6 +9,9 @@ const MOST_LOOKS: f64 = 16.0;
 /// Share of a side that a place on it is away from a vertex at least: a vertex has a touch of its own.
 const INSIDE: f64 = 1e-3;
 
+/// Sine of the angle between two edges below which they go along each other: where they are nearest says little then.
+const ALONG: f64 = 0.2;
+
 /// A triangle on its way through a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passing {
@@ -131,6 +134,9 @@ fn edge(points: [DVec3; 3], side: usize, feature: &Feature, before: DVec3) -> Op
     let (c, d) = (feature.ends[0], feature.ends[1] - feature.ends[0]);
     let cross = b.cross(d);
     let square = cross.length_squared();
+    if square < ALONG * ALONG * b.length_squared() * d.length_squared() {
+        return None;
+    }
     let across = cross.try_normalize()?;
     let between = c - a;
     let (on_side, on_edge) = (between.cross(d).dot(cross) / square, between.cross(b).dot(cross) / square);

@@ -87,7 +87,7 @@ impl Features {
 
 fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f64) {
     let mut soup = |(vertices, triangles): (Vec<Vector>, Vec<[u32; 3]>), radius: f32, solid: bool| {
-        if solid {
+        if solid && !matches!(shape.as_typed_shape(), TypedShape::HeightField(_)) {
             let thinnest = shape.compute_local_aabb().half_extents().min_element();
             *core = core.min(thinnest.into());
         }
@@ -123,7 +123,16 @@ fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f
         TypedShape::TriMesh(mesh) => {
             soup((mesh.vertices().to_vec(), mesh.indices().to_vec()), 0.0, mesh.pseudo_normals().is_some());
         }
-        TypedShape::HeightField(field) => soup(field.to_trimesh(), 0.0, false),
+        TypedShape::HeightField(field) => {
+            let (vertices, mut triangles) = field.to_trimesh();
+            for triangle in &mut triangles {
+                let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+                if (b - a).cross(c - a).y < 0.0 {
+                    triangle.swap(1, 2);
+                }
+            }
+            soup((vertices, triangles), 0.0, true);
+        }
         TypedShape::Compound(compound) => {
             for (place, part) in compound.shapes() {
                 collect(part, pose * *place, all, core);

@@ -57,6 +57,7 @@ pub(super) fn vertices(
     body: &Body,
     around: &Surroundings,
     moving: &Moving,
+    faces: &Faces,
     near: &mut Vec<Near>,
     room: &mut [f64],
     mut then: impl FnMut(Found),
@@ -65,7 +66,8 @@ pub(super) fn vertices(
     near.clear();
     for (vertex, room) in room.iter_mut().enumerate() {
         let way = body.local(moving.x[vertex], free(moving, vertex));
-        let nearest = body.nearest(way[1]);
+        // As far as a triangle of it can reach.
+        let nearest = body.nearest(way[1], limits[1] + faces.longest + 2.0 * way[0].distance(way[1]));
         near.push(Near { way, nearest });
         if moving.held[vertex] {
             continue;
@@ -88,7 +90,8 @@ pub(super) fn coming(body: &Body, around: &Surroundings, moving: &Moving, least:
         let end = free(moving, vertex);
         let way = body.local(moving.x[vertex], end);
         if way[0].distance_squared(way[1]) > least * least
-            && let Ok(meeting) = body.meet(way, body.nearest(way[1]), limits, moving.dt)
+            && let Ok(meeting) =
+                body.meet(way, body.nearest(way[1], limits[1] + way[0].distance(way[1])), limits, moving.dt)
         {
             deepest = deepest.max(meeting.offset - meeting.normal.dot(end));
         }

@@ -131,7 +131,7 @@ impl ContactLayer {
             }
             found.clear();
             let Self { faces, near, room, .. } = self;
-            find::vertices(&body, around, moving, near, room, |vertex| found.push(vertex));
+            find::vertices(&body, around, moving, faces, near, room, |vertex| found.push(vertex));
             let of_shape = match features.iter().position(|(shape, _)| Arc::ptr_eq(&shape.0, &collider.shape.0)) {
                 Some(known) => features.swap_remove(known),
                 None => (collider.shape.clone(), Features::new(&collider.shape)),
@@ -186,10 +186,16 @@ impl ContactLayer {
             acted: DVec3::ZERO,
         };
         let mut slipping = None;
+        let give = GIVE * settings.thickness;
         if let Some(memory) = self.memory.recall(collider.id, &touch) {
             let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
             // The force of an impact would throw the vertex off again: what lasts is in two steps.
             touch.lambda = memory.normal_force.min(memory.before);
+            let e = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+            let away = touch.normal.dot(touch.carried) - touch.offset;
+            if away > 0.0 && memory.normal_force < e("PF", 2.0) * memory.before {
+                touch.offset += (1.0 - e("PB", 0.02)) * away;
+            }
             touch.last = memory.normal_force;
             touch.pressing = memory.normal_force;
             let friction_force = tangential(body.turn(memory.friction));
@@ -202,10 +208,11 @@ impl ContactLayer {
         let load = touch.last.max(inertia * coming);
         let thickness = settings.thickness;
         let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
-        let stiff = (load / (GIVE * thickness)).min(STIFFEST * self.fabric);
+        let stiff = (load / give).min(STIFFEST * self.fabric);
         touch.stiffness = pulled + (OVER_INERTIA * inertia).max(stiff);
         // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
-        touch.choose(if touch.last > 0.0 { y } else { inertial });
+        let pulled_in = touch.last > 0.0 && touch.normal.dot(y - inertial) < 0.0;
+        touch.choose(if pulled_in { y } else { inertial });
         touch.stay(slipping, inertial);
         self.touches.push(touch);
     }
@@ -259,7 +266,22 @@ impl ContactLayer {
         let (mut wrong, mut right) = (0.0, 0.0);
         for touch in &mut self.touches {
             let x = touch.at(&points);
-            wrong += touch.judge(x);
+            let before = touch.case;
+            let w = touch.judge(x);
+            if std::env::var("DBGJ").is_ok() && (w > 0.0 || before != touch.case) {
+                eprintln!(
+                    "  J v{:?} f{} {:?} -> {:?} wrong {w:.2e} N {:.2e} k {:.1} l {:.2e} gap {:.2e}",
+                    touch.vertices,
+                    touch.feature,
+                    before,
+                    touch.case,
+                    touch.normal_force(x),
+                    touch.stiffness,
+                    touch.lambda,
+                    touch.normal.dot(x) - touch.offset
+                );
+            }
+            wrong += w;
             right += touch.force.length();
         }
         wrong > WRONG * right
@@ -307,7 +329,8 @@ impl ContactLayer {
             }
             for (index, body) in bodies.iter().enumerate() {
                 let way = body.local(moving.x[vertex], end);
-                let Ok(meeting) = body.meet(way, body.nearest(way[1]), limits, moving.dt) else { continue };
+                let nearest = body.nearest(way[1], limits[1] + way[0].distance(way[1]));
+                let Ok(meeting) = body.meet(way, nearest, limits, moving.dt) else { continue };
                 if meeting.surface - meeting.normal.dot(end) < 0.0 {
                     continue;
                 }
@@ -349,10 +372,15 @@ impl ContactLayer {
             // What is moved out of one part of a collider may be in another.
             for body in bodies.iter().flat_map(|body| [body; RESCUES]) {
                 let way = body.local(moving.x[vertex], end[vertex]);
-                let Ok(meeting) = body.meet(way, body.nearest(way[1]), [0.0, 0.0], moving.dt) else { continue };
+                let nearest = body.nearest(way[1], way[0].distance(way[1]) + around.settings.thickness);
+                let Ok(meeting) = body.meet(way, nearest, [0.0, 0.0], moving.dt) else { continue };
                 let depth = meeting.surface - meeting.normal.dot(end[vertex]);
                 if depth > 0.0 {
                     rescued += 1;
+                    if std::env::var("DBGG").is_ok() {
+                        let ts: Vec<_> = self.touches.iter().filter(|t| t.vertices.contains(&(vertex as u32))).map(|t| (t.feature, t.weights, t.case, t.stiffness, t.lambda, t.last, t.force.length(), t.normal, t.offset - t.normal.dot(end[vertex]))).collect();
+                        eprintln!("R {vertex} depth {depth:.6} n {:.3} moved {:.4} {ts:?}", meeting.normal, (moving.x[vertex]-end[vertex]).length());
+                    }
                     end[vertex] += (depth + margin) * meeting.normal;
                     let surface = (meeting.carried - moving.x[vertex]) / moving.dt;
                     let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);
@@ -381,7 +409,7 @@ impl ContactLayer {
                 collider: colliders.get(touch.collider as usize).map_or(0, |collider| collider.id),
                 point: x - above * touch.normal,
                 normal: touch.normal,
-                force: touch.force,
+                force: touch.acted,
             }
         };
         self.touches.iter().filter(|touch| touch.is_active()).map(contact).collect()
@@ -440,7 +468,8 @@ impl Touch {
         }
         self.case = match slipping {
             Some(way) if (y - self.carried).dot(way) > 0.0 => match self.case {
-                Case::Slip(now) => Case::Slip(now),
+                Case::Slip(now) if now.dot(way) > 0.5 => Case::Slip(now),
+                Case::Slip(_) => Case::Stick,
                 _ => Case::Slip(way),
             },
             _ => Case::Stick,

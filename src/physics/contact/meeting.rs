@@ -18,6 +18,8 @@ pub(super) struct Body<'a> {
     surface: Surface<'a>,
     start: Frame,
     end: Frame,
+    /// Box around the shape in its own frame, m.
+    own_box: (DVec3, DVec3),
     /// Box that the collider is in at the start and at the end, m; `None` if it has no end.
     bounds: Option<(DVec3, DVec3)>,
 }
@@ -61,13 +63,15 @@ impl<'a> Body<'a> {
         let pose = |share| Frame::new(&collider.start.towards(&collider.end, share));
         let (start, end) = (pose(from), pose(to));
         let surface = Surface::new(&collider.shape);
+        let own = collider.shape.compute_local_aabb();
+        let own_box = (own.mins.as_dvec3(), own.maxs.as_dvec3());
         let bounds = (!matches!(surface, Surface::HalfSpace { .. })).then(|| {
-            let sphere = collider.shape.compute_local_aabb().bounding_sphere();
+            let sphere = own.bounding_sphere();
             let (centre, radius) = (sphere.center.as_dvec3(), DVec3::splat(sphere.radius.into()));
             let (a, b) = (start.place(centre), end.place(centre));
             (a.min(b) - radius, a.max(b) + radius)
         });
-        Self { surface, start, end, bounds }
+        Self { surface, start, end, own_box, bounds }
     }
 
     /// How far a point of the collider goes at most, m; infinite if it turns and has no end.
@@ -96,9 +100,15 @@ impl<'a> Body<'a> {
         self.end.rotation.transpose() * vector
     }
 
-    /// The nearest point of the surface, all in the frame of the collider.
-    pub fn nearest(&self, point: DVec3) -> Nearest {
-        self.surface.nearest(point)
+    /// The nearest point of the surface, all in the frame of the collider. Where nothing is within a distance, little is looked at,
+    /// and only the distance says something: there is so much room at least.
+    pub fn nearest(&self, point: DVec3, within: f64) -> Nearest {
+        let (low, high) = self.own_box;
+        let to_box = (low - point).max(point - high).max(DVec3::ZERO).length();
+        if to_box > within {
+            return Nearest { distance: to_box, normal: DVec3::ZERO };
+        }
+        self.surface.nearest(point, within)
     }
 
     /// Points of the world at the start and at the end, in the frame of the collider.
@@ -120,7 +130,7 @@ impl<'a> Body<'a> {
         if nearest.distance > reach && nearest.distance >= way {
             return Err(nearest.distance - reach);
         }
-        let before = self.surface.nearest(from);
+        let before = self.nearest(from, way + reach);
         let outside = before.distance > 0.0;
         if outside
             && (nearest.distance <= 0.0 || way >= nearest.distance + before.distance)
@@ -163,7 +173,7 @@ mod tests {
 
     fn meet(body: &Body, x: DVec3, y: DVec3, dt: f64) -> Meeting {
         let way = body.local(x, y);
-        body.meet(way, body.nearest(way[1]), [0.003, 0.006], dt).unwrap()
+        body.meet(way, body.nearest(way[1], 9.0), [0.003, 0.006], dt).unwrap()
     }
 
     #[test]
@@ -192,7 +202,7 @@ mod tests {
         let x = DVec3::new(0.2, 0.0, 0.0);
         let meeting = meet(&body, x, x, 0.01);
         assert!((meeting.offset - (0.2 + 0.005)).abs() < 1e-12, "{meeting:?}");
-        assert!((body.nearest(x).distance + 0.3).abs() < 1e-12);
+        assert!((body.nearest(x, 9.0).distance + 0.3).abs() < 1e-12);
     }
 
     #[test]

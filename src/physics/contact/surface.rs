@@ -1,8 +1,9 @@
 //! Distances to shapes, in their own frame: closed forms in f64 for the simple ones, parry for the rest.
 
 use bevy::math::DVec3;
+use parry3d::bounding_volume::Aabb;
 use parry3d::query::{PointQuery, Ray};
-use parry3d::shape::{Shape, SharedShape, TypedShape};
+use parry3d::shape::{HeightField, Shape, SharedShape, TypedShape};
 
 /// The point of a surface that is nearest to another point.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,8 @@ pub(super) enum Surface<'a> {
     Solid(&'a dyn Shape),
     /// Has no inside: both sides keep cloth out.
     Shell(&'a dyn Shape),
+    /// Inside is what is below, as deep as is looked.
+    Ground(&'a HeightField),
 }
 
 impl<'a> Surface<'a> {
@@ -46,16 +49,17 @@ impl<'a> Surface<'a> {
             TypedShape::HalfSpace(half_space) => Self::HalfSpace { normal: half_space.normal.as_dvec3() },
             TypedShape::Cuboid(cuboid) => Self::Cuboid { half: cuboid.half_extents.as_dvec3() },
             TypedShape::TriMesh(mesh) if mesh.pseudo_normals().is_none() => Self::Shell(&**shape),
-            TypedShape::HeightField(_) | TypedShape::Triangle(_) | TypedShape::Segment(_) | TypedShape::Polyline(_) => {
-                Self::Shell(&**shape)
-            }
+            TypedShape::HeightField(field) => Self::Ground(field),
+            TypedShape::Triangle(_) | TypedShape::Segment(_) | TypedShape::Polyline(_) => Self::Shell(&**shape),
             _ => Self::Solid(&**shape),
         }
     }
 
-    /// The nearest point of the surface, for a point in the frame of the shape.
-    pub fn nearest(&self, p: DVec3) -> Nearest {
+    /// The nearest point of the surface, for a point in the frame of the shape. Where none is within a distance, that distance may
+    /// stand for it.
+    pub fn nearest(&self, p: DVec3, within: f64) -> Nearest {
         match *self {
+            Self::Ground(field) => nearest_of_ground(field, p, within),
             Self::Ball { radius } => around(p, radius),
             Self::Capsule { a, b, radius } => {
                 let axis = b - a;
@@ -111,6 +115,7 @@ impl<'a> Surface<'a> {
                 cast(&capsule, from - middle, way)
             }
             Self::Solid(shape) | Self::Shell(shape) => cast(shape, from, way),
+            Self::Ground(field) => cast(field, from, way),
         }
     }
 }
@@ -140,6 +145,28 @@ fn nearest_of_cuboid(p: DVec3, half: DVec3) -> Nearest {
         DVec3::Z
     };
     Nearest { distance: nearest, normal: sign * axis }
+}
+
+/// Looks only at triangles that are near: a field may have millions.
+fn nearest_of_ground(field: &HeightField, p: DVec3, within: f64) -> Nearest {
+    let around = Aabb::from_half_extents(p.as_vec3(), DVec3::splat(within).as_vec3());
+    let (mut square, mut steepest) = (within * within, 0.0);
+    let mut nearest = Nearest { distance: within, normal: DVec3::Y };
+    field.map_elements_in_local_aabb(&around, &mut |_, triangle| {
+        let on = triangle.project_local_point(p.as_vec3(), false).point.as_dvec3();
+        let away = p - on;
+        let Some(up) = triangle.normal().map(|normal| normal.as_dvec3() * f64::from(normal.y.signum())) else { return };
+        let above = up.dot(away);
+        // At an edge, the triangle that faces the point more says on which side it is.
+        let same = (away.length_squared() - square).abs() < 1e-7 * square && above.abs() > steepest;
+        if away.length_squared() < square * (1.0 - 1e-7) || same {
+            (square, steepest) = (away.length_squared(), above.abs());
+            let distance = away.length();
+            let normal = if distance < 1e-6 { up } else { away / distance * above.signum() };
+            nearest = Nearest { distance: distance * above.signum(), normal };
+        }
+    });
+    nearest
 }
 
 /// Where a way enters a cuboid, if it does (Kay & Kajiya 1986).
@@ -188,7 +215,7 @@ mod tests {
             for i in 0..500 {
                 let t = f64::from(i);
                 let p = DVec3::new((1.1 * t).sin(), (2.3 * t).sin(), (3.7 * t).cos()) * 0.7;
-                let (ours, theirs) = (surface.nearest(p), Surface::Solid(&**shape).nearest(p));
+                let (ours, theirs) = (surface.nearest(p, 9.0), Surface::Solid(&**shape).nearest(p, 9.0));
                 assert!((ours.distance - theirs.distance).abs() < 2e-6, "{p}: {ours:?} {theirs:?}");
                 if ours.distance.abs() > 0.02 {
                     assert!(ours.normal.distance(theirs.normal) < 1e-4, "{p}: {ours:?} {theirs:?}");
@@ -217,7 +244,7 @@ mod tests {
         let (vertices, indices) = parry3d::shape::Cuboid::new(Vector::ONE).to_trimesh();
         let flags = parry3d::shape::TriMeshFlags::ORIENTED;
         let mesh = SharedShape::trimesh_with_flags(vertices, indices, flags).unwrap();
-        let nearest = Surface::new(&mesh).nearest(DVec3::new(0.1, 0.9, 0.2));
+        let nearest = Surface::new(&mesh).nearest(DVec3::new(0.1, 0.9, 0.2), 9.0);
         assert!((nearest.distance + 0.1).abs() < 1e-6 && nearest.normal.distance(DVec3::Y) < 1e-6, "{nearest:?}");
     }
 
@@ -227,9 +254,22 @@ mod tests {
         let mesh = SharedShape::trimesh(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
         let surface = Surface::new(&mesh);
         for side in [-1.0, 1.0] {
-            let nearest = surface.nearest(DVec3::new(0.2, 0.2, 0.1 * side));
+            let nearest = surface.nearest(DVec3::new(0.2, 0.2, 0.1 * side), 9.0);
             assert!((nearest.distance - 0.1).abs() < 1e-6 && nearest.normal.z * side > 0.99);
         }
         assert!(surface.first_hit(DVec3::new(0.2, 0.2, 1.0), DVec3::new(0.2, 0.2, -1.0)).is_some());
+    }
+
+    #[test]
+    fn ground_has_its_inside_below() {
+        let heights = parry3d::utils::Array2::new(2, 2, vec![0.0, 0.0, 0.5, 0.5]);
+        let slope = SharedShape::new(HeightField::new(heights, Vector::new(1.0, 1.0, 1.0)));
+        let surface = Surface::new(&slope);
+        let up = DVec3::new(-1.0, 2.0, 0.0).normalize();
+        for off in [0.1, -0.1] {
+            let nearest = surface.nearest(DVec3::new(0.0, 0.25, 0.1) + off * up, 0.3);
+            assert!((nearest.distance - off).abs() < 1e-6 && nearest.normal.distance(up) < 1e-5, "{nearest:?}");
+        }
+        assert_eq!(surface.nearest(DVec3::new(0.0, -2.0, 0.1), 0.3).distance, 0.3);
     }
 }

@@ -155,10 +155,13 @@ impl Touch {
                 }
                 Case::Stick => {
                     let trial = self.trial(x);
-                    if trial.length() > self.limit() {
+                    let e = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+                    if trial.length() > e("ST", 1.0) * self.limit() {
                         self.case = Case::Slip(-trial.normalize());
+                        trial.length() - self.limit()
+                    } else {
+                        0.0
                     }
-                    (trial.length() - self.limit()).max(0.0)
                 }
                 Case::Slip(way) => {
                     if self.slip(x).dot(way) < 0.0 {
@@ -170,7 +173,8 @@ impl Touch {
                 }
             }
         };
-        let normal = normal.max(0.0);
+        // What was apart in the solve has no force yet: one taken from how deep it went would grow from step to step.
+        let normal = if case == Case::Apart { normal.min(self.lambda) } else { normal }.max(0.0);
         self.force = match self.case {
             Case::Apart => DVec3::ZERO,
             Case::Stick => normal * self.normal + self.trial(x).clamp_length_max(self.friction * normal),
