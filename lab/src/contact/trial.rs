@@ -142,6 +142,22 @@ impl Trial {
                 e.total() - self.energy.start - self.energy.work,
                 self.cloth.stretch().max
             );
+            let mut big: Vec<_> = self
+                .cloth
+                .contacts()
+                .map(|c| {
+                    (
+                        (c.force.length() * 1e3).round() / 1e3,
+                        c.vertices,
+                        c.weights.map(|w| (w * 1e3).round() / 1e3),
+                        c.normal,
+                    )
+                })
+                .collect();
+            big.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for b in big.iter().take(8) {
+                eprintln!("      F {b:?}");
+            }
             let (v, speed) = self
                 .cloth
                 .velocities()

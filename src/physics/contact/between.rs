@@ -62,7 +62,9 @@ impl Passing {
             return;
         }
         for side in 0..3 {
-            let edge = |points: [DVec3; 3], feature: &Feature, before: DVec3| edge(points, side, feature, before);
+            let edge = |points: [DVec3; 3], feature: &Feature, before: DVec3| {
+                edge(points, side, feature, before, limits.reach)
+            };
             self.first(feature, limits, edge).map(&mut then);
         }
     }
@@ -127,8 +129,9 @@ fn beside(points: [DVec3; 3], feature: &Feature) -> Option<Between> {
     places.min_by(|a, b| a.gap.total_cmp(&b.gap))
 }
 
-/// Of an edge, the place on the side of a triangle that begins at a vertex.
-fn edge(points: [DVec3; 3], side: usize, feature: &Feature, before: DVec3) -> Option<Between> {
+/// Of an edge, the place on the side of a triangle that begins at a vertex. What is within `reach` of a corner is left to that:
+/// both together would ask for more than the distance.
+fn edge(points: [DVec3; 3], side: usize, feature: &Feature, before: DVec3, reach: f64) -> Option<Between> {
     let other = (side + 1) % 3;
     let (a, b) = (points[side], points[other] - points[side]);
     let (c, d) = (feature.ends[0], feature.ends[1] - feature.ends[0]);
@@ -141,6 +144,10 @@ fn edge(points: [DVec3; 3], side: usize, feature: &Feature, before: DVec3) -> Op
     let between = c - a;
     let (on_side, on_edge) = (between.cross(d).dot(cross) / square, between.cross(b).dot(cross) / square);
     if !(INSIDE..1.0 - INSIDE).contains(&on_side) || !(0.0..=1.0).contains(&on_edge) {
+        return None;
+    }
+    let to_ends = [on_edge, 1.0 - on_edge].map(|share| share * d.length());
+    if (0..2).any(|end| feature.at_corners[end] && to_ends[end] < reach) {
         return None;
     }
     let place = c + on_edge * d;

@@ -15,6 +15,8 @@ use parry3d::shape::{SharedShape, TypedShape};
 const SIDES: u32 = 64;
 /// Angle between the normals of both faces, rad, below which there is no edge.
 const FLAT: f64 = 0.02;
+/// Edges that meet where there is no corner, but a line of edges.
+const LINE: usize = 2;
 /// Cosine of the angle that a normal may be out of its cone by: rather a touch twice than none.
 const SLACK: f64 = 0.02;
 
@@ -23,6 +25,8 @@ const SLACK: f64 = 0.02;
 pub(super) struct Feature {
     /// Both ends, m; the same twice for a corner.
     pub ends: [DVec3; 2],
+    /// Which ends are corners: what touches there, touches those.
+    pub at_corners: [bool; 2],
     /// Distance from there to the surface, m.
     pub radius: f64,
     /// Angle between the normals of the faces beside it, rad; of a corner that of its sharpest edge.
@@ -143,7 +147,8 @@ fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f
 }
 
 fn round(ends: [DVec3; 2], radius: f64) -> Feature {
-    Feature { ends, radius, angle: core::f64::consts::PI, away: Vec::new(), outwards: None }
+    let angle = core::f64::consts::PI;
+    Feature { ends, at_corners: [false; 2], radius, angle, away: Vec::new(), outwards: None }
 }
 
 /// What lies beside an edge of a mesh: along each face, away from the edge, and the face's normal.
@@ -175,7 +180,10 @@ fn of_triangles(places: &[DVec3], triangles: &[[u32; 3]], radius: f64, solid: bo
         edges.into_iter().filter_map(|(edge, sides)| Some((edge, angle(&sides, solid)?, sides))).collect();
     sharp.sort_unstable_by_key(|&(edge, ..)| edge);
     let mut spokes: HashMap<u32, (Vec<DVec3>, f64)> = HashMap::new();
+    let first = all.len();
+    let mut numbers = Vec::new();
     for (edge, angle, Sides(sides)) in sharp {
+        numbers.push(edge);
         let ends = edge.map(|vertex| places[vertex as usize]);
         let along = (ends[1] - ends[0]).normalize();
         for (end, spoke) in edge.into_iter().zip([along, -along]) {
@@ -184,14 +192,18 @@ fn of_triangles(places: &[DVec3], triangles: &[[u32; 3]], radius: f64, solid: bo
             *sharpest = sharpest.max(angle);
         }
         let outwards = solid.then(|| sides.iter().map(|side| side[1]).sum());
-        all.push(Feature { ends, radius, angle, away: sides.iter().map(|side| side[0]).collect(), outwards });
+        let away = sides.iter().map(|side| side[0]).collect();
+        all.push(Feature { ends, at_corners: [false; 2], radius, angle, away, outwards });
     }
-    let mut corners: Vec<_> = spokes.into_iter().filter(|(_, (spokes, _))| spokes.len() > 2).collect();
+    for (feature, edge) in all[first..].iter_mut().zip(numbers) {
+        feature.at_corners = edge.map(|end| spokes[&end].0.len() > LINE);
+    }
+    let mut corners: Vec<_> = spokes.into_iter().filter(|(_, (spokes, _))| spokes.len() > LINE).collect();
     corners.sort_unstable_by_key(|&(vertex, _)| vertex);
     for (vertex, (away, angle)) in corners {
         let ends = [places[vertex as usize]; 2];
         let outwards = solid.then(|| -away.iter().sum::<DVec3>());
-        all.push(Feature { ends, radius, angle, away, outwards });
+        all.push(Feature { ends, at_corners: [true; 2], radius, angle, away, outwards });
     }
 }
 

@@ -378,8 +378,29 @@ impl ContactLayer {
                 if depth > 0.0 {
                     rescued += 1;
                     if std::env::var("DBGG").is_ok() {
-                        let ts: Vec<_> = self.touches.iter().filter(|t| t.vertices.contains(&(vertex as u32))).map(|t| (t.feature, t.weights, t.case, t.stiffness, t.lambda, t.last, t.force.length(), t.normal, t.offset - t.normal.dot(end[vertex]))).collect();
-                        eprintln!("R {vertex} depth {depth:.6} n {:.3} moved {:.4} {ts:?}", meeting.normal, (moving.x[vertex]-end[vertex]).length());
+                        let ts: Vec<_> = self
+                            .touches
+                            .iter()
+                            .filter(|t| t.vertices.contains(&(vertex as u32)))
+                            .map(|t| {
+                                (
+                                    t.feature,
+                                    t.weights,
+                                    t.case,
+                                    t.stiffness,
+                                    t.lambda,
+                                    t.last,
+                                    t.force.length(),
+                                    t.normal,
+                                    t.offset - t.normal.dot(end[vertex]),
+                                )
+                            })
+                            .collect();
+                        eprintln!(
+                            "R {vertex} depth {depth:.6} n {:.3} moved {:.4} {ts:?}",
+                            meeting.normal,
+                            (moving.x[vertex] - end[vertex]).length()
+                        );
                     }
                     end[vertex] += (depth + margin) * meeting.normal;
                     let surface = (meeting.carried - moving.x[vertex]) / moving.dt;
