@@ -43,35 +43,9 @@ impl Cost {
     }
 }
 
-fn settings() -> SolverSettings {
-    let mut s = SolverSettings::default();
-    let e = |n: &str| std::env::var(n).ok();
-    if let bevy_cloth::physics::SolverKind::ConjugateGradient { tolerance, relative_tolerance, .. } = &mut s.kind {
-        if let Some(v) = e("REL") {
-            *relative_tolerance = v.parse().unwrap();
-        }
-        if let Some(v) = e("ABS") {
-            *tolerance = v.parse().unwrap();
-        }
-    }
-    if let Some(v) = e("NEWTON") {
-        s.newton_steps = v.parse().unwrap();
-    }
-    if e("BE").is_some() {
-        s.integrator = bevy_cloth::physics::Integrator::BackwardEuler;
-    }
-    if e("CHOL").is_some() {
-        s = SolverSettings { newton_steps: s.newton_steps, integrator: s.integrator, ..SolverSettings::reference() };
-    }
-    if e("F64").is_some() {
-        s.precision = bevy_cloth::physics::Precision::Double;
-    }
-    s
-}
-
 /// A horizontal sheet of n × n vertices with its middle at a place.
 pub fn sheet(n: u32, middle: DVec3, fabric: Fabric) -> Cloth {
-    let mut cloth = Strip::new(1.0, 1.0, n - 1, n - 1).cloth(fabric, settings());
+    let mut cloth = Strip::new(1.0, 1.0, n - 1, n - 1).cloth(fabric, SolverSettings::default());
     place(&mut cloth, |x| x + middle - DVec3::new(0.5, 0.0, 0.5));
     cloth
 }

@@ -124,66 +124,6 @@ impl Trial {
         seen.fallbacks += report.fallbacks;
         seen.velocity_clamps += report.velocity_clamps;
         self.balance(span);
-        if std::env::var("DBG").is_ok() {
-            let e = self.cloth.energy();
-            let n = self.cloth.contacts().count();
-            eprintln!(
-                "t {:.3} solves {} rescues {} fb {} clamp {} contacts {} kin {:.3} el {:.3} grav {:.3} work {:.3} gain {:.3} strain {:.3}",
-                self.time,
-                report.contact_solves,
-                report.rescues,
-                report.fallbacks,
-                report.velocity_clamps,
-                n,
-                e.kinetic,
-                e.total() - e.kinetic - e.gravity,
-                e.gravity,
-                self.energy.work,
-                e.total() - self.energy.start - self.energy.work,
-                self.cloth.stretch().max
-            );
-            let mut big: Vec<_> = self
-                .cloth
-                .contacts()
-                .map(|c| {
-                    (
-                        (c.force.length() * 1e3).round() / 1e3,
-                        c.vertices,
-                        c.weights.map(|w| (w * 1e3).round() / 1e3),
-                        c.normal,
-                    )
-                })
-                .collect();
-            big.sort_by(|a, b| b.0.total_cmp(&a.0));
-            for b in big.iter().take(8) {
-                eprintln!("      F {b:?}");
-            }
-            let (v, speed) = self
-                .cloth
-                .velocities()
-                .iter()
-                .map(|v| v.length())
-                .enumerate()
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .unwrap();
-            let moving = self.cloth.velocities().iter().filter(|v| v.length() > 1e-3).count();
-            let touch: Vec<_> = self
-                .cloth
-                .contacts()
-                .filter(|c| c.vertices[0] == v as u32)
-                .map(|c| (c.force.dot(c.normal), (c.force - c.force.dot(c.normal) * c.normal).length()))
-                .collect();
-            let x = self.cloth.positions()[v];
-            let vv = self.cloth.velocities()[v];
-            eprintln!(
-                "   peak {:.2} mm/s v{v} x {:.4} vel {:.5} it {} moving {moving} touch {:?}",
-                1e3 * speed,
-                x,
-                vv,
-                report.iterations,
-                touch
-            );
-        }
     }
 
     fn balance(&mut self, [start, end]: [f64; 2]) {

@@ -17,6 +17,9 @@ use crate::physics::solve::{LinearSolver, solver};
 
 /// Share of the relative tolerance that a cloth without pins is solved to.
 const FREE_TOLERANCE: f64 = 0.1;
+/// Share of the absolute tolerance that a cloth which touches something is solved to: what its folds are left to swing by would not
+/// let it lie.
+const TOUCHING_TOLERANCE: f64 = 0.2;
 /// Newton iterations of a step whose length is far from that of the one before, and of the next, at least: linearised once,
 /// they gain energy.
 const CHANGE_NEWTON_STEPS: u32 = 2;
@@ -273,6 +276,9 @@ impl<T: Scalar> Implicit<T> {
         if !any_held {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
+        }
+        if touching {
+            target.absolute *= TOUCHING_TOLERANCE;
         }
         let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;
         report.iterations += solved.iterations;

@@ -22,6 +22,10 @@ const GIVE: f64 = 0.05;
 const STIFFEST: f64 = 10.0;
 /// Its stiffness over that of the fabric, where the fabric pulls it in.
 const OVER_FABRIC: f64 = 0.05;
+/// A force that has not grown by more than this factor in a step lasts.
+const STEADY: f64 = 2.0;
+/// Share of the way back to the surface that what lies too far away is drawn by in a step.
+const DRAWN_BACK: f64 = 0.02;
 /// Share of the thickness that what was rescued is away from the surface.
 const MARGIN: f64 = 0.05;
 /// Times that a vertex is moved out of a collider in a substep.
@@ -191,10 +195,11 @@ impl ContactLayer {
             let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
             // The force of an impact would throw the vertex off again: what lasts is in two steps.
             touch.lambda = memory.normal_force.min(memory.before);
-            let e = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+            // Where it lies a little further away than it must, it lies well: drawn back at once to where forces are counted from, it
+            // would come as far inside, and swing.
             let away = touch.normal.dot(touch.carried) - touch.offset;
-            if away > 0.0 && memory.normal_force < e("PF", 2.0) * memory.before {
-                touch.offset += (1.0 - e("PB", 0.02)) * away;
+            if away > 0.0 && memory.normal_force < STEADY * memory.before {
+                touch.offset += (1.0 - DRAWN_BACK) * away;
             }
             touch.last = memory.normal_force;
             touch.pressing = memory.normal_force;
@@ -266,22 +271,7 @@ impl ContactLayer {
         let (mut wrong, mut right) = (0.0, 0.0);
         for touch in &mut self.touches {
             let x = touch.at(&points);
-            let before = touch.case;
-            let w = touch.judge(x);
-            if std::env::var("DBGJ").is_ok() && (w > 0.0 || before != touch.case) {
-                eprintln!(
-                    "  J v{:?} f{} {:?} -> {:?} wrong {w:.2e} N {:.2e} k {:.1} l {:.2e} gap {:.2e}",
-                    touch.vertices,
-                    touch.feature,
-                    before,
-                    touch.case,
-                    touch.normal_force(x),
-                    touch.stiffness,
-                    touch.lambda,
-                    touch.normal.dot(x) - touch.offset
-                );
-            }
-            wrong += w;
+            wrong += touch.judge(x);
             right += touch.force.length();
         }
         wrong > WRONG * right
@@ -377,31 +367,6 @@ impl ContactLayer {
                 let depth = meeting.surface - meeting.normal.dot(end[vertex]);
                 if depth > 0.0 {
                     rescued += 1;
-                    if std::env::var("DBGG").is_ok() {
-                        let ts: Vec<_> = self
-                            .touches
-                            .iter()
-                            .filter(|t| t.vertices.contains(&(vertex as u32)))
-                            .map(|t| {
-                                (
-                                    t.feature,
-                                    t.weights,
-                                    t.case,
-                                    t.stiffness,
-                                    t.lambda,
-                                    t.last,
-                                    t.force.length(),
-                                    t.normal,
-                                    t.offset - t.normal.dot(end[vertex]),
-                                )
-                            })
-                            .collect();
-                        eprintln!(
-                            "R {vertex} depth {depth:.6} n {:.3} moved {:.4} {ts:?}",
-                            meeting.normal,
-                            (moving.x[vertex] - end[vertex]).length()
-                        );
-                    }
                     end[vertex] += (depth + margin) * meeting.normal;
                     let surface = (meeting.carried - moving.x[vertex]) / moving.dt;
                     let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);

@@ -155,13 +155,10 @@ impl Touch {
                 }
                 Case::Stick => {
                     let trial = self.trial(x);
-                    let e = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-                    if trial.length() > e("ST", 1.0) * self.limit() {
+                    if trial.length() > self.limit() {
                         self.case = Case::Slip(-trial.normalize());
-                        trial.length() - self.limit()
-                    } else {
-                        0.0
                     }
+                    (trial.length() - self.limit()).max(0.0)
                 }
                 Case::Slip(way) => {
                     if self.slip(x).dot(way) < 0.0 {
