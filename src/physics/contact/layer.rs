@@ -109,7 +109,7 @@ impl ContactLayer {
                 let fastest = (0..moving.x.len()).map(|v| moving.x[v].distance_squared(free(moving, v)));
                 (low, high, fastest.fold(0.0, f64::max).sqrt())
             });
-            if fastest + body.travel() > least && body.distance_to_box(low, high) == 0.0 {
+            if body.distance_to_box(low, high) == 0.0 && fastest + body.travel() > least {
                 deepest = deepest.max(find::coming(&body, around, moving, least));
             }
         }
@@ -194,11 +194,12 @@ impl ContactLayer {
         if let Some(memory) = self.memory.recall(collider.id, &touch) {
             let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
             // The force of an impact would throw the vertex off again: what lasts is in two steps.
-            touch.lambda = memory.normal_force.min(memory.before);
+            let steady = memory.normal_force < STEADY * memory.before;
+            touch.lambda = if steady { memory.normal_force } else { memory.before };
             // Where it lies a little further away than it must, it lies well: drawn back at once to where forces are counted from, it
             // would come as far inside, and swing.
             let away = touch.normal.dot(touch.carried) - touch.offset;
-            if away > 0.0 && memory.normal_force < STEADY * memory.before {
+            if away > 0.0 && steady {
                 touch.offset += (1.0 - DRAWN_BACK) * away;
             }
             touch.last = memory.normal_force;
@@ -217,7 +218,7 @@ impl ContactLayer {
         touch.stiffness = pulled + (OVER_INERTIA * inertia).max(stiff);
         // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
         let pulled_in = touch.last > 0.0 && touch.normal.dot(y - inertial) < 0.0;
-        touch.choose(if pulled_in { y } else { inertial });
+        touch.choose_between(if pulled_in { y } else { inertial }, inertial);
         touch.stay(slipping, inertial);
         self.touches.push(touch);
     }
@@ -453,7 +454,7 @@ impl Touch {
             return;
         }
         self.case = match slipping {
-            Some(way) if (y - self.carried).dot(way) > 0.0 => match self.case {
+            Some(way) if (y - self.carried).dot(way) >= 0.0 => match self.case {
                 Case::Slip(now) if now.dot(way) > 0.5 => Case::Slip(now),
                 Case::Slip(_) => Case::Stick,
                 _ => Case::Slip(way),

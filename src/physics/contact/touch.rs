@@ -12,6 +12,9 @@ use crate::physics::assembly::ContactTerm;
 /// Share of the thickness that may be missing to what was not in touch.
 const DEEP: f64 = 0.3;
 
+/// Share of the limit of friction that it may be above it by: else what is about to slip would begin and stop all the time.
+const SLACK: f64 = 0.02;
+
 /// In place of a corner or an edge: all of the surface.
 pub(super) const SURFACE: u32 = u32::MAX;
 
@@ -91,10 +94,15 @@ impl Touch {
 
     /// The case at `x`, which depends on nothing else: that of a potential.
     pub fn choose(&mut self, x: DVec3) {
-        self.case = if self.normal_force(x) <= 0.0 {
+        self.choose_between(x, x);
+    }
+
+    /// The case of what would be at `pressed` along the normal and at `slipped` along the surface.
+    pub fn choose_between(&mut self, pressed: DVec3, slipped: DVec3) {
+        self.case = if self.normal_force(pressed) <= 0.0 {
             Case::Apart
         } else {
-            let trial = self.trial(x);
+            let trial = self.trial(slipped);
             if trial.length() <= self.limit() { Case::Stick } else { Case::Slip(-trial.normalize()) }
         };
     }
@@ -155,10 +163,11 @@ impl Touch {
                 }
                 Case::Stick => {
                     let trial = self.trial(x);
-                    if trial.length() > self.limit() {
+                    let excess = trial.length() - self.limit();
+                    if excess > SLACK * self.limit() {
                         self.case = Case::Slip(-trial.normalize());
                     }
-                    (trial.length() - self.limit()).max(0.0)
+                    excess.max(0.0)
                 }
                 Case::Slip(way) => {
                     if self.slip(x).dot(way) < 0.0 {
