@@ -11,7 +11,7 @@ use super::trial::Trial;
 use crate::scenes::{DT, fabric};
 
 /// Time to come to rest in, s.
-const SETTLING: f64 = 6.0;
+const SETTLING: f64 = 10.0;
 /// Vertices along a side.
 const SIDE: u32 = 28;
 /// Above what it falls on, m.
