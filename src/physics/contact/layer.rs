@@ -24,6 +24,8 @@ const STIFFEST: f64 = 10.0;
 const OVER_FABRIC: f64 = 0.05;
 /// A force that has not grown by more than this factor in a step lasts.
 const STEADY: f64 = 2.0;
+/// Share of the thickness that what is no impact comes in by.
+const GENTLE: f64 = 0.3;
 /// Share of the way back to the surface that what lies too far away is drawn by in a step.
 const DRAWN_BACK: f64 = 0.02;
 /// Share of the thickness that what was rescued is away from the surface.
@@ -186,6 +188,8 @@ impl ContactLayer {
             friction: (collider.friction * settings.friction).sqrt(),
             case: Case::Apart,
             last: 0.0,
+            steady: false,
+            drag: 0.0,
             force: DVec3::ZERO,
             acted: DVec3::ZERO,
         };
@@ -206,12 +210,14 @@ impl ContactLayer {
             touch.pressing = memory.normal_force;
             let friction_force = tangential(body.turn(memory.friction));
             touch.tau = friction_force.clamp_length_max(touch.friction * touch.lambda);
+            touch.steady = steady;
             slipping = memory.slipping.and_then(|way| tangential(body.turn(way)).try_normalize());
         }
         // As stiff as its force needs, so that what is loaded lightly is let go and found again smoothly: of the step
         // before, or to stop what comes in, with the fabric that pulls it.
         let coming = (touch.offset - touch.normal.dot(inertial)).max(0.0);
         let load = touch.last.max(inertia * coming);
+        touch.steady |= coming < GENTLE * settings.thickness;
         let thickness = settings.thickness;
         let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
         let stiff = (load / give).min(STIFFEST * self.fabric);
@@ -262,7 +268,8 @@ impl ContactLayer {
     pub fn terms(&mut self, points: &[DVec3]) -> &[ContactTerm] {
         let Self { touches, terms, .. } = self;
         terms.clear();
-        terms.extend(touches.iter().filter(|touch| touch.is_active()).map(|touch| touch.term(touch.point(points))));
+        let active = touches.iter_mut().filter(|touch| touch.is_active());
+        terms.extend(active.map(|touch| touch.term(touch.point(points))));
         terms
     }
 

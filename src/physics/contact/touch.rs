@@ -60,6 +60,11 @@ pub(super) struct Touch {
     pub case: Case,
     /// N of the step before, N.
     pub last: f64,
+    /// Whether it slips as it did in the step before, under about the same N: then friction is a force that is known. In an impact
+    /// nothing is, and a known force that is wrong would throw the point back.
+    pub steady: bool,
+    /// Of one that slips but is not steady: friction per metre of slip, N/m.
+    pub drag: f64,
     /// N and T together, once solved for, N.
     pub force: DVec3,
     /// What acted in the solve: with the limit of friction that was known then, N.
@@ -115,6 +120,7 @@ impl Touch {
         let (friction, stiffness) = match self.case {
             Case::Apart => return (DVec3::ZERO, DMat3::ZERO),
             Case::Stick => (self.trial(x), self.stiffness * tangential),
+            Case::Slip(_) if self.drag > 0.0 => (-self.drag * self.slip(x), self.drag * tangential),
             Case::Slip(way) => {
                 // Turning with the way of slip, the limit acts across it like a spring.
                 let across = self.limit() / self.slip(x).length().max(f64::MIN_POSITIVE);
@@ -126,6 +132,7 @@ impl Touch {
 
     /// Leaves friction to what pushes already, so that the potential is continuous where a touch begins.
     pub fn brace(&mut self, x: DVec3) {
+        (self.steady, self.drag) = (true, 0.0);
         if self.normal_force(x) <= 0.0 {
             self.pressing = 0.0;
         }
@@ -139,7 +146,10 @@ impl Touch {
     }
 
     /// Its part in A and b, linearised with the point at `x`.
-    pub fn term(&self, x: DVec3) -> ContactTerm {
+    pub fn term(&mut self, x: DVec3) -> ContactTerm {
+        if !self.steady {
+            self.drag = (self.limit() / self.slip(x).length().max(f64::MIN_POSITIVE)).min(self.stiffness);
+        }
         let (force, stiffness) = self.law(x);
         ContactTerm { vertices: self.vertices, weights: self.weights, force, stiffness }
     }
@@ -225,6 +235,8 @@ mod tests {
             friction: 0.5,
             case: Case::Stick,
             last: 0.0,
+            steady: true,
+            drag: 0.0,
             force: DVec3::ZERO,
             acted: DVec3::ZERO,
         }
