@@ -28,7 +28,7 @@ pub(super) struct Step<'a> {
 /// The part of a cloth that depends on the precision.
 pub(super) trait Engine: Send + Sync {
     /// Substeps that a step should be taken in, as fast as things come in.
-    fn pieces(&self, step: Step, state: &State) -> u32;
+    fn pieces(&mut self, step: Step, state: &State) -> u32;
     /// Advances the state, which changes only if the step succeeds.
     fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault>;
     /// Elastic energy at these positions.

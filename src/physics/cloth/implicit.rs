@@ -358,7 +358,7 @@ impl<T: Scalar> Implicit<T> {
 }
 
 impl<T: Scalar> Engine for Implicit<T> {
-    fn pieces(&self, step: Step, state: &State) -> u32 {
+    fn pieces(&mut self, step: Step, state: &State) -> u32 {
         self.impact_pieces(step, state)
     }
 

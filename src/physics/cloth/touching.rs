@@ -56,7 +56,7 @@ impl<T: Scalar> Implicit<T> {
     }
 
     /// Substeps in which nothing comes into the cloth too far at once.
-    pub fn impact_pieces(&self, step: Step, state: &State) -> u32 {
+    pub fn impact_pieces(&mut self, step: Step, state: &State) -> u32 {
         let leap = LEAP * self.contact.longest_side();
         let deepest = self.contact.coming(&step.around, &moving(&step, state), leap);
         (deepest / leap).ceil().clamp(1.0, MOST_PIECES) as u32

@@ -1,10 +1,14 @@
 //! Contact with the world: which vertices touch which colliders, and the forces of that in the implicit step.
 //!
-//! [`Collider`] (a shape that moves from one pose to another) → where a point meets it (`surface`, `meeting`) → a `Touch` with its
-//! law of force (`touch`) → one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each (`layer`).
+//! [`Collider`] (a shape that moves from one pose to another), and its corners and edges (`features`) → which vertices and triangles
+//! come near it (`detect`, `find`) → where a vertex meets its surface (`surface`, `meeting`) and a triangle what is between its
+//! vertices (`between`) → a `Touch` that begins with what is remembered of it (`begin`, `memory`), with its law of force (`touch`) →
+//! one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each, judged after every solve (`layer`).
 
+mod begin;
 mod between;
 mod collider;
+mod detect;
 mod features;
 mod find;
 mod layer;
