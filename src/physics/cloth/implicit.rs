@@ -4,11 +4,11 @@ use bevy::math::DVec3;
 use bevy::platform::time::Instant;
 
 use super::engine::{Engine, Step};
-use super::integrator::{Bdf2, Integrator, hesitation};
+use super::scheme::{Linear, Scheme};
 use super::touching::contact_layer;
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
-use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, Projection, System};
+use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, System};
 use crate::physics::contact::{Collider, Contact, ContactLayer};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Padded, Scalar};
@@ -20,20 +20,17 @@ const FREE_TOLERANCE: f64 = 0.1;
 /// Share of the absolute tolerance that a cloth which touches something is solved to: what its folds are left to swing by would not
 /// let it lie.
 const TOUCHING_TOLERANCE: f64 = 0.2;
-/// Newton iterations of a step whose length is far from that of the one before, and of the next, at least: linearised once,
-/// they gain energy.
-const CHANGE_NEWTON_STEPS: u32 = 2;
 
 /// A cloth's linear system, its solver, and what a step remembers.
 pub(super) struct Implicit<T: Scalar> {
     pub system: System<T>,
     constraints: Constraints,
     solver: Box<dyn LinearSolver<T>>,
-    settings: SolverSettings,
+    pub settings: SolverSettings,
     /// dp, s, and α, 1/s.
-    damping: f64,
-    air_drag: f64,
-    history: History,
+    pub damping: f64,
+    pub air_drag: f64,
+    pub history: History,
     /// Elastic energy of the present state, if known, J.
     pub energy_now: Option<f64>,
     /// Energy gained that nothing gave, and not lost again since, J.
@@ -48,7 +45,7 @@ pub(super) struct Implicit<T: Scalar> {
     residual: Vec<Padded<T>>,
     /// y, q, x and d of [`ImplicitStep`], m.
     pub inertial: Vec<DVec3>,
-    origin: Vec<DVec3>,
+    pub origin: Vec<DVec3>,
     pub point: Vec<DVec3>,
     pub moves: Vec<DVec3>,
     /// The state a step leads to, if it is accepted.
@@ -56,23 +53,12 @@ pub(super) struct Implicit<T: Scalar> {
 }
 
 /// The state before the present one.
-struct History {
-    state: State,
+pub(super) struct History {
+    pub state: State,
     /// Length of the step between them, s; `None` if there was none.
-    dt: Option<f64>,
+    pub dt: Option<f64>,
     /// Whether it was far from the length of the step before it.
-    changed: bool,
-}
-
-/// How a step is integrated.
-#[derive(Clone, Copy)]
-enum Scheme {
-    BackwardEuler,
-    /// Backward Euler where the length of steps changes: free fall, which it runs ahead of, is put right.
-    Change,
-    /// Half a step of backward Euler, continued to a whole one: second order from a single state.
-    Midpoint,
-    Bdf2(Bdf2),
+    pub changed: bool,
 }
 
 /// Where a solve starts.
@@ -84,17 +70,6 @@ pub(super) enum Guess {
     Point,
     /// There too, and nothing is added to what conjugate gradients find: wherever they stop, the moves lower what they minimise.
     Downhill,
-}
-
-/// What of the linear system depends on the scheme.
-#[derive(Clone, Copy)]
-pub(super) struct Linear {
-    pub gamma: f64,
-    pub projection: Projection,
-    pub damping: f64,
-    pub air_drag: f64,
-    /// Share of the way to their waypoints that held vertices go.
-    pub pin_share: f64,
 }
 
 impl<T: Scalar> Implicit<T> {
@@ -123,52 +98,6 @@ impl<T: Scalar> Implicit<T> {
             moves: zeros,
             candidate: state,
         }
-    }
-
-    /// The scheme of the next step, and its Newton iterations.
-    fn scheme(&mut self, dt: f64) -> (Scheme, u32) {
-        let bdf2 = self.history.dt.map(|previous| Bdf2::new(dt, previous));
-        let changed = bdf2.is_some_and(|bdf2| bdf2.is_none());
-        let scheme = match (self.settings.integrator, bdf2) {
-            (Integrator::BackwardEuler, _) => Scheme::BackwardEuler,
-            (Integrator::Bdf2, Some(None)) => Scheme::Change,
-            (Integrator::Bdf2, Some(Some(bdf2))) => Scheme::Bdf2(bdf2),
-            (Integrator::Bdf2, None) => Scheme::Midpoint,
-        };
-        let at_least = if changed || self.history.changed { CHANGE_NEWTON_STEPS } else { 1 };
-        self.history.changed = changed;
-        (scheme, self.settings.newton_steps.max(at_least))
-    }
-
-    /// Sets y, q and the point of linearisation.
-    fn predict(&mut self, scheme: Scheme, dt: f64, state: &State) -> Linear {
-        let Self { system, history: History { state: before, .. }, origin, inertial, point, .. } = self;
-        let predict = |vertex: usize| {
-            let (x, v) = (state.positions[vertex], state.velocities[vertex]);
-            match scheme {
-                Scheme::BackwardEuler | Scheme::Change => (x, x + dt * v, x),
-                Scheme::Midpoint => (x, x + 0.5 * dt * v, x + 0.5 * dt * v),
-                Scheme::Bdf2(bdf2) => {
-                    let previous = before.velocities[vertex];
-                    let origin = bdf2.combine(x, before.positions[vertex]);
-                    let inertial = origin + bdf2.gamma * bdf2.combine(v, previous);
-                    let steady = x + 0.5 * dt * (v + previous);
-                    (origin, inertial, inertial.lerp(steady, hesitation(v, previous)))
-                }
-            }
-        };
-        let rows = (&mut origin[..], &mut inertial[..], &mut point[..]);
-        for_parts(system.matrix.pattern().parts(), rows, &|part: &Part, (origin, inertial, point)| {
-            for (i, vertex) in part.rows.clone().enumerate() {
-                (origin[i], inertial[i], point[i]) = predict(vertex);
-            }
-        });
-        let (gamma, projection, pin_share) = match scheme {
-            Scheme::BackwardEuler | Scheme::Change => (dt, Projection::PositivePart, 1.0),
-            Scheme::Midpoint => (0.5 * dt, Projection::Absolute, 0.5),
-            Scheme::Bdf2(bdf2) => (bdf2.gamma, Projection::Absolute, 1.0),
-        };
-        Linear { gamma, projection, damping: self.damping, air_drag: self.air_drag, pin_share }
     }
 
     /// Newton's method: solves for `moves`, from the last point of linearisation to where the scheme leads, after moving that
@@ -304,56 +233,6 @@ impl<T: Scalar> Implicit<T> {
         }
         report.solve += assembled.elapsed().saturating_sub(solved.preparation);
         Ok(())
-    }
-
-    /// Where the moves lead.
-    fn finish(&mut self, scheme: Scheme, step: Step, state: &State) {
-        let dt = step.dt;
-        let Self { system, inertia, origin, point, moves, candidate, .. } = self;
-        let lead = |vertex: usize| {
-            let (x, v) = (state.positions[vertex], state.velocities[vertex]);
-            if let Some(waypoint) = step.pins.waypoint(vertex) {
-                // A pin is reached to the last bit, whatever the precision of the solve.
-                return (waypoint, (waypoint - x) / dt);
-            }
-            let reached = point[vertex] + moves[vertex];
-            if inertia.get(vertex).is_some_and(|&factor| factor != 1.0) {
-                return (reached, (point[vertex] - x + moves[vertex]) / dt);
-            }
-            match scheme {
-                // Not `reached - x`, in which the digits of a small move are lost.
-                Scheme::BackwardEuler | Scheme::Change => (reached, (point[vertex] - x + moves[vertex]) / dt),
-                Scheme::Midpoint => (2.0 * reached - x, 4.0 / dt * (reached - x) - v),
-                Scheme::Bdf2(bdf2) => (reached, (reached - origin[vertex]) / bdf2.gamma),
-            }
-        };
-        let rows = (&mut candidate.positions[..], &mut candidate.velocities[..]);
-        for_parts(system.matrix.pattern().parts(), rows, &|part: &Part, (positions, velocities)| {
-            for (i, vertex) in part.rows.clone().enumerate() {
-                (positions[i], velocities[i]) = lead(vertex);
-            }
-        });
-        if matches!(scheme, Scheme::Change) && !step.pins.any() && self.contact.is_empty() {
-            self.centre_on_trapezoid(step, state);
-        }
-    }
-
-    /// Moves the candidate so that its centre of mass went at the mean of the velocities before and after. Only for cloth
-    /// without pins: no stiffness has a part in that.
-    fn centre_on_trapezoid(&mut self, step: Step, state: &State) {
-        let Self { system, candidate, .. } = self;
-        let parts = system.matrix.pattern().parts();
-        let velocities = &candidate.velocities[..];
-        let change = for_parts(parts, (), &|part: &Part, ()| {
-            let rows = part.rows.clone();
-            rows.map(|vertex| step.masses[vertex] * (velocities[vertex] - state.velocities[vertex])).sum::<DVec3>()
-        });
-        let ahead = 0.5 * step.dt / step.mass * change;
-        for_parts(parts, &mut candidate.positions[..], &|_: &Part, positions| {
-            for x in positions {
-                *x -= ahead;
-            }
-        });
     }
 }
 

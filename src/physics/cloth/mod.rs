@@ -9,6 +9,7 @@ mod quality;
 mod report;
 mod rigid;
 mod safeguard;
+mod scheme;
 mod settings;
 mod touching;
 

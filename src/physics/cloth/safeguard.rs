@@ -12,7 +12,8 @@
 use bevy::math::DVec3;
 
 use super::engine::Step;
-use super::implicit::{Guess, Implicit, Linear};
+use super::implicit::{Guess, Implicit};
+use super::scheme::Linear;
 use super::{ClothFault, State, StepReport};
 use crate::physics::assembly::Projection;
 use crate::physics::assembly::parts::{Part, for_parts};

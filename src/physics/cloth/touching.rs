@@ -6,7 +6,8 @@
 use bevy::platform::time::Instant;
 
 use super::engine::Step;
-use super::implicit::{Guess, Implicit, Linear};
+use super::implicit::{Guess, Implicit};
+use super::scheme::Linear;
 use super::{ClothFault, State, StepReport};
 use crate::physics::assembly::Ordering;
 use crate::physics::contact::{ContactLayer, Moving};
