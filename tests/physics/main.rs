@@ -4,6 +4,7 @@ mod analytic;
 mod assembly;
 mod bending;
 mod contact;
+mod contact_between;
 mod derivatives;
 mod determinism;
 mod extremes;

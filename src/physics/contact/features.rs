@@ -239,7 +239,9 @@ mod tests {
             let features = Features::new(&shape);
             assert_eq!(count(&features), [8, 12]);
             assert!((features.core - 0.1).abs() < 1e-6);
-            assert!(features.all().iter().all(|f| f.is_corner() || (f.angle - 1.5708).abs() < 1e-3));
+            assert!(
+                features.all().iter().all(|f| f.is_corner() || (f.angle - core::f64::consts::FRAC_PI_2).abs() < 1e-6)
+            );
         }
     }
 
