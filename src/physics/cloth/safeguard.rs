@@ -271,7 +271,7 @@ impl<T: Scalar> Implicit<T> {
     }
 
     /// Kinetic energy of the free vertices, J.
-    fn kinetic(&self, step: Step, velocities: &[DVec3]) -> f64 {
+    pub fn kinetic(&self, step: Step, velocities: &[DVec3]) -> f64 {
         self.sum(step, |v| 0.5 * step.masses[v] * velocities[v].length_squared())
     }
 
