@@ -33,7 +33,7 @@ pub(super) struct Faces {
     pub longest: f64,
 }
 
-/// A vertex, in the frame of a collider.
+/// A vertex near a collider, in the frame of that.
 #[derive(Clone, Copy)]
 pub(super) struct Near {
     /// Where it is when the step begins, and where it would go, m.
@@ -52,23 +52,32 @@ pub(super) fn reach(around: &Surroundings) -> f64 {
     REACH * around.settings.thickness
 }
 
-/// Finds vertices near the surface. Takes down where it is nearest to each, and how much room those have that are not near.
+/// Finds vertices near the surface. Takes down where it is nearest to each that is not far, and how much room those have that are
+/// not near.
 pub(super) fn vertices(
     body: &Body,
     around: &Surroundings,
     moving: &Moving,
     faces: &Faces,
-    near: &mut Vec<Near>,
+    near: &mut Vec<Option<Near>>,
     room: &mut [f64],
     mut then: impl FnMut(Found),
 ) {
     let limits = [around.settings.thickness, reach(around)];
     near.clear();
     for (vertex, room) in room.iter_mut().enumerate() {
-        let way = body.local(moving.x[vertex], free(moving, vertex));
-        // As far as a triangle of it can reach.
-        let nearest = body.nearest(way[1], limits[1] + faces.longest + 2.0 * way[0].distance(way[1]));
-        near.push(Near { way, nearest });
+        let (x, y) = (moving.x[vertex], free(moving, vertex));
+        // As far as a triangle of it can reach, stretched to twice its sides.
+        let aside = limits[1] + 2.0 * faces.longest;
+        let apart = body.distance_to_box(x.min(y), x.max(y));
+        if apart > aside {
+            near.push(None);
+            *room = room.min(apart - limits[1]);
+            continue;
+        }
+        let way = body.local(x, y);
+        let nearest = body.nearest(way[1], aside + 2.0 * way[0].distance(way[1]));
+        near.push(Some(Near { way, nearest }));
         if moving.held[vertex] {
             continue;
         }
@@ -106,7 +115,7 @@ pub(super) fn between(
     faces: &Faces,
     around: &Surroundings,
     moving: &Moving,
-    near: &[Near],
+    near: &[Option<Near>],
     mut then: impl FnMut(Found),
 ) {
     let thickness = around.settings.thickness;
@@ -114,7 +123,8 @@ pub(super) fn between(
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord.
     let bulges = |turn: f64| 0.125 * turn * faces.longest > BULGE * thickness;
     for triangle in &faces.triangles {
-        let corners = triangle.map(|vertex| near[vertex as usize]);
+        let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| near[vertex as usize]) else { continue };
+        let corners = [a, b, c];
         let passing = Passing { start: corners.map(|corner| corner.way[0]), end: corners.map(|corner| corner.way[1]) };
         let fast = faces.longest.max(limits.reach);
         let travel = passing.travel();

@@ -46,8 +46,8 @@ pub(crate) struct ContactLayer {
     pub(super) nearby: Nearby,
     /// Of the shapes that were near in the last substep: the shape tells them apart.
     pub(super) features: Vec<(SharedShape, Features)>,
-    /// All vertices, in the frame of the collider that is looked at.
-    pub(super) near: Vec<Near>,
+    /// All vertices, in the frame of the collider that is looked at, where they are not far from it.
+    pub(super) near: Vec<Option<Near>>,
     /// By vertex: how far it may end from where it was looked for without being inside anything, m.
     pub(super) room: Vec<f64>,
     terms: Vec<ContactTerm>,
