@@ -12,7 +12,7 @@ use super::touch::SURFACE;
 /// Points are watched which come as near as so many thicknesses.
 const REACH: f64 = 2.0;
 /// Share of the thickness that a triangle may bulge into a round surface by, which its vertices keep.
-const BULGE: f64 = 0.5;
+const BULGE: f64 = 1.0;
 /// What is so many thicknesses inside came from another side.
 const DEEPEST: f64 = 4.0;
 
