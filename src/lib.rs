@@ -29,7 +29,7 @@
 //! 2. [`physics::energy`]: one file per energy, written over a number type: one number, or eight elements side by side.
 //! 3. [`physics::assembly`]: vertices in an order that suits the solver, elements in batches → the system A d = b of an implicit
 //!    step.
-//! 4. [`physics::contact`]: where vertices meet colliders, and the forces of that as terms of A and b.
+//! 4. [`physics::contact`]: where vertices and triangles meet colliders, and the forces of that as terms of A and b.
 //! 5. [`physics::solve`]: solvers of that system.
 //! 6. [`physics::Cloth`]: state and step. All of `physics` works without an App.
 //! 7. [`plugin`]: the ECS side: reads meshes, carries transforms and pins in, steps all cloths, writes meshes back; it says

@@ -9,7 +9,7 @@ use crate::meshes::TestMesh;
 
 const DT: f64 = 1.0 / 60.0;
 
-/// A horizontal square sheet of `n` × `n` vertices; none of the fabric's own damping in the air.
+/// A horizontal square sheet of `n` × `n` vertices.
 fn sheet(n: usize, side: f64, centre: DVec3) -> Cloth {
     let mut mesh = TestMesh::sheet(n, n, side, side);
     for x in &mut mesh.positions {

@@ -60,8 +60,8 @@ pub(super) struct Touch {
     pub case: Case,
     /// N of the step before, N.
     pub last: f64,
-    /// Whether it slips as it did in the step before, under about the same N: then friction is a force that is known. In an impact
-    /// nothing is, and a known force that is wrong would throw the point back.
+    /// Whether N is about that of the step before, or little comes in: then the limit of friction is known. In an impact it is not,
+    /// and a force as great as that, if it is wrong, would throw the point back.
     pub steady: bool,
     /// Of one that slips but is not steady: friction per metre of slip, N/m.
     pub drag: f64,
