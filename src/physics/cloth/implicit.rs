@@ -17,12 +17,8 @@ use crate::physics::solve::{LinearSolver, solver};
 
 /// Share of the relative tolerance that a cloth without pins is solved to.
 const FREE_TOLERANCE: f64 = 0.1;
-/// Share of the absolute tolerance that a cloth which touches something is solved to: what its folds are left to swing by would not
-/// let it lie.
-const TOUCHING_TOLERANCE: f64 = 0.2;
-/// Share of the relative tolerance that it is solved to besides, while it is slower than this, m/s.
-const SETTLING_TOLERANCE: f64 = 0.3;
-const SETTLING_SPEED: f64 = 0.03;
+/// A cloth that touches something and is slower than this, m/s, settles: it is linearised further back.
+const SETTLING_SPEED: f64 = 0.1;
 
 /// A cloth's linear system, its solver, and what a step remembers.
 pub(super) struct Implicit<T: Scalar> {
@@ -147,10 +143,6 @@ impl<T: Scalar> Implicit<T> {
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
         let start = Instant::now();
-        // Not in the pieces of an impact.
-        let whole = step.around.to - step.around.from == 1.0;
-        let slow = 0.5 * SETTLING_SPEED * SETTLING_SPEED * step.mass;
-        let settling = whole && self.contact.any_active() && self.kinetic(step, &state.velocities) < slow;
         let Self { system, constraints, solver, contact, inertia, solution, residual, .. } = self;
         let Self { inertial, origin, point, moves, .. } = self;
         let (held, touching) = (step.pins.held(), contact.any_active());
@@ -213,12 +205,6 @@ impl<T: Scalar> Implicit<T> {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
         }
-        if touching {
-            target.absolute *= TOUCHING_TOLERANCE;
-            if settling {
-                target.relative *= SETTLING_TOLERANCE;
-            }
-        }
         let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;
         report.iterations += solved.iterations;
         report.preconditioner += solved.preparation;
@@ -259,7 +245,9 @@ impl<T: Scalar> Engine for Implicit<T> {
         if touching && matches!(scheme, Scheme::Midpoint) {
             scheme = Scheme::BackwardEuler;
         }
-        let linear = self.predict(scheme, step.dt, state);
+        let slow = 0.5 * SETTLING_SPEED * SETTLING_SPEED * step.mass;
+        let settling = self.contact.any_active() && self.kinetic(step, &state.velocities) < slow;
+        let linear = self.predict(scheme, step.dt, settling, state);
         if touching {
             self.slow_down_touching(linear.gamma, step, state);
             self.start_at_planes(step.pins.held());

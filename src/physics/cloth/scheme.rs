@@ -14,6 +14,10 @@ use crate::physics::math::Scalar;
 /// they gain energy.
 const CHANGE_NEWTON_STEPS: u32 = 2;
 
+/// Share of the way ahead that a cloth which settles is linearised at: further on, its free folds and corners are driven by it as much
+/// as the air slows them, and swing for long.
+const SETTLING: f64 = 0.6;
+
 /// How a step is integrated.
 #[derive(Clone, Copy)]
 pub(super) enum Scheme {
@@ -53,7 +57,7 @@ impl<T: Scalar> Implicit<T> {
     }
 
     /// Sets y, q and the point of linearisation.
-    pub fn predict(&mut self, scheme: Scheme, dt: f64, state: &State) -> Linear {
+    pub fn predict(&mut self, scheme: Scheme, dt: f64, settling: bool, state: &State) -> Linear {
         let Self { system, history: History { state: before, .. }, origin, inertial, point, .. } = self;
         let predict = |vertex: usize| {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
@@ -64,8 +68,13 @@ impl<T: Scalar> Implicit<T> {
                     let previous = before.velocities[vertex];
                     let origin = bdf2.combine(x, before.positions[vertex]);
                     let inertial = origin + bdf2.gamma * bdf2.combine(v, previous);
-                    let steady = x + 0.5 * dt * (v + previous);
-                    (origin, inertial, inertial.lerp(steady, hesitation(v, previous)))
+                    let mean = 0.5 * (v + previous);
+                    let point = if settling {
+                        x + SETTLING * dt * mean
+                    } else {
+                        inertial.lerp(x + dt * mean, hesitation(v, previous))
+                    };
+                    (origin, inertial, point)
                 }
             }
         };
