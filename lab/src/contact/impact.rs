@@ -83,6 +83,33 @@ pub fn ball(held: Held) -> Vec<Row> {
     rows
 }
 
+/// m/s.
+const THROWN: f64 = 6.0;
+
+/// Frictions of the ball that is thrown into a curtain.
+pub const FRICTIONS: [f64; 3] = [0.0, 0.1, 0.5];
+
+/// A ball that nothing slows flies into a curtain held by its upper edge, and through under it. All of its motion would stretch it by
+/// 6 % if it were brought to rest at once; a ball that drags it along as if it were glued, by its whole way.
+pub fn thrown(friction: f64) -> Vec<Row> {
+    let scene = format!("ball 6 m/s, μ {friction}");
+    let centre = |time: f64| DVec3::new(0.0, -0.2, THROWN * time - 0.3);
+    let body = Body::moving(Solid::Ball { radius: RADIUS }, friction, move |time| Pose::at(centre(time)));
+    let mut trial = Trial::new(upright(2 * SIDE, |x| x.z == 0.0), vec![body], DT);
+    let (mut peak, mut rms) = (0.0_f64, 0.0_f64);
+    trial.run_with(0.5, |trial| {
+        let stretch = trial.cloth.stretch();
+        (peak, rms) = (peak.max(stretch.max), rms.max(stretch.rms));
+    });
+    let mut rows = vec![
+        Row::new(&scene, "RMS stretch/%", 100.0 * rms, Wanted::AtMost(5.0)),
+        Row::new(&scene, "peak stretch/%", 100.0 * peak, Wanted::Known),
+    ];
+    rows.extend(trial.rows(&scene));
+    rows.push(trial.energy_row(&scene));
+    rows
+}
+
 /// Vertices in the way that a ball came by.
 fn behind_ball(cloth: &Cloth, centre: DVec3) -> usize {
     let in_way = |x: &&DVec3| x.x.hypot(x.y) < RADIUS && x.z < centre.z;

@@ -66,6 +66,8 @@ pub enum Scene {
     Capstan,
     /// A ball of 50 m/s does not pass through a sheet.
     Ball,
+    /// A ball flies into a curtain and takes it along.
+    Thrown,
     /// A sheet of 50 m/s does not pass through a wall.
     Wall,
     /// A sheet is crushed to 3 cm.
@@ -108,6 +110,7 @@ impl Scene {
             Self::Capstan if quick => capstan::rows(capstan::CASES[0].0, capstan::CASES[0].1),
             Self::Capstan => capstan::CASES.into_iter().flat_map(|(phi, mu)| capstan::rows(phi, mu)).collect(),
             Self::Ball => impact::Held::ALL.into_iter().flat_map(impact::ball).collect(),
+            Self::Thrown => impact::FRICTIONS.into_iter().flat_map(impact::thrown).collect(),
             Self::Wall => impact::Flight::ALL.into_iter().flat_map(impact::wall).collect(),
             Self::Press => machine::press(),
             Self::Paddle => machine::paddle(),

@@ -15,8 +15,13 @@ use crate::physics::material::Fabric;
 use crate::physics::math::Scalar;
 use crate::physics::mesh::RestShape;
 
+/// Share of the forces of contact that may be wrong after a solve: the few touches that were will be right in the next step.
+const WRONG: f64 = 0.1;
 /// Solves beyond the first, at most, in which touches are let go, found or begin to slip.
 const CONTACT_STEPS: u32 = 2;
+/// Above this share there may be more: an impact that is left half solved drags the cloth along as if it were glued.
+const MOSTLY_WRONG: f64 = 0.5;
+const MOST_CONTACT_STEPS: u32 = 8;
 
 /// How far a surface may come into the free way of a vertex in a substep, in sides of triangles: what is pushed on further while
 /// those beside it are not is torn about.
@@ -104,9 +109,11 @@ impl<T: Scalar> Implicit<T> {
         for solves in 0.. {
             let Self { contact, point, moves, .. } = self;
             let end = |vertex: usize| point[vertex] + moves[vertex];
-            let mut again = contact.judge(end);
+            let wrong = contact.judge(end);
+            let most = if wrong > MOSTLY_WRONG { MOST_CONTACT_STEPS } else { CONTACT_STEPS };
+            let mut again = wrong > WRONG;
             again |= contact.find_late(&step.around, &moving(&step, state), end);
-            if !again || solves == CONTACT_STEPS {
+            if !again || solves >= most {
                 break;
             }
             report.contact_solves += 1;

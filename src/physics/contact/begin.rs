@@ -57,10 +57,19 @@ impl ContactLayer {
             last: 0.0,
             steady: false,
             drag: 0.0,
+            expected: (inertial - meeting.carried).reject_from_normalized(meeting.normal).length(),
+            inertia,
             force: DVec3::ZERO,
             acted: DVec3::ZERO,
         };
         let mut slipping = None;
+        let fresh = self.memory.is_empty();
+        if fresh {
+            // Nothing is known yet of what holds the cloth up, so every place of it is stopped for itself.
+            let free_slip = (y - touch.carried).reject_from_normalized(touch.normal);
+            touch.lambda = touch.pressing;
+            touch.tau = (-inertia * free_slip).clamp_length_max(touch.limit());
+        }
         let give = GIVE * settings.thickness;
         if let Some(memory) = self.memory.recall(collider.id, &touch) {
             let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
@@ -90,8 +99,12 @@ impl ContactLayer {
         let stiff = (load / give).min(STIFFEST * self.fabric);
         touch.stiffness = pulled + (OVER_INERTIA * inertia).max(stiff);
         // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
-        let pulled_in = touch.last > 0.0 && touch.normal.dot(y - inertial) < 0.0;
+        let pulled_in = (touch.last > 0.0 || fresh) && touch.normal.dot(y - inertial) < 0.0;
         touch.choose_between(if pulled_in { y } else { inertial }, inertial);
+        if !touch.is_active() && touch.last > 0.0 {
+            // What pushed goes on until it is seen to pull.
+            touch.case = Case::Stick;
+        }
         touch.stay(slipping, inertial);
         self.touches.push(touch);
     }

@@ -13,9 +13,6 @@ use super::touch::{Case, Touch};
 use crate::physics::assembly::ContactTerm;
 use crate::physics::material::Fabric;
 
-/// Share of the forces of contact that may be wrong.
-const WRONG: f64 = 0.1;
-
 /// What the touches need to know of a substep. All vertices are numbered as the engine does.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
@@ -117,16 +114,15 @@ impl ContactLayer {
         terms
     }
 
-    /// Judges every touch by where a solve led. Says whether so much of the forces was wrong that it must be solved again: a few
-    /// touches that were will be right in the next step.
-    pub fn judge(&mut self, points: impl Fn(usize) -> DVec3) -> bool {
+    /// Judges every touch by where a solve led, and says what forces were wrong, as a share of those that are right.
+    pub fn judge(&mut self, points: impl Fn(usize) -> DVec3) -> f64 {
         let (mut wrong, mut right) = (0.0, 0.0);
         for touch in &mut self.touches {
             let x = touch.at(&points);
             wrong += touch.judge(x);
             right += touch.force.length();
         }
-        wrong > WRONG * right
+        if wrong > 0.0 { wrong / right } else { 0.0 }
     }
 
     /// Before a search from these points for a lower potential.

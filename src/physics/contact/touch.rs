@@ -15,6 +15,9 @@ const DEEP: f64 = 0.3;
 /// Share of the limit of friction that it may be above it by: else what is about to slip would begin and stop all the time.
 const SLACK: f64 = 0.02;
 
+/// A limit of friction that was so many times what it is was not known.
+const UNKNOWN: f64 = 2.0;
+
 /// In place of a corner or an edge: all of the surface.
 pub(super) const SURFACE: u32 = u32::MAX;
 
@@ -65,6 +68,10 @@ pub(super) struct Touch {
     pub steady: bool,
     /// Of one that slips but is not steady: friction per metre of slip, N/m.
     pub drag: f64,
+    /// How far it slips in the step, as far as is known, m.
+    pub expected: f64,
+    /// What inertia holds its point back by, N/m.
+    pub inertia: f64,
     /// N and T together, once solved for, N.
     pub force: DVec3,
     /// What acted in the solve: with the limit of friction that was known then, N.
@@ -88,8 +95,13 @@ impl Touch {
         self.tau - self.stiffness * self.slip(x)
     }
 
-    fn limit(&self) -> f64 {
+    /// The limit of friction, N.
+    pub fn limit(&self) -> f64 {
         self.friction * self.pressing
+    }
+
+    fn thickness(&self) -> f64 {
+        self.offset - self.surface
     }
 
     /// Whether it has a force.
@@ -148,7 +160,7 @@ impl Touch {
     /// Its part in A and b, linearised with the point at `x`.
     pub fn term(&mut self, x: DVec3) -> ContactTerm {
         if !self.steady {
-            self.drag = (self.limit() / self.slip(x).length().max(f64::MIN_POSITIVE)).min(self.stiffness);
+            self.drag = (self.limit() / self.expected.max(f64::MIN_POSITIVE)).min(self.stiffness);
         }
         let (force, stiffness) = self.law(x);
         ContactTerm { vertices: self.vertices, weights: self.weights, force, stiffness }
@@ -163,30 +175,15 @@ impl Touch {
             self.case = Case::Apart;
             if case == Case::Apart { 0.0 } else { -normal }
         } else {
+            let known = self.limit();
             self.pressing = normal;
-            match case {
-                Case::Apart => {
-                    self.choose(x);
-                    // What is not yet near the surface itself may wait for the next step.
-                    let missing = self.offset - self.normal.dot(x);
-                    if missing > DEEP * (self.offset - self.surface) { normal } else { 0.0 }
-                }
-                Case::Stick => {
-                    let trial = self.trial(x);
-                    let excess = trial.length() - self.limit();
-                    if excess > SLACK * self.limit() {
-                        self.case = Case::Slip(-trial.normalize());
-                    }
-                    excess.max(0.0)
-                }
-                Case::Slip(way) => {
-                    if self.slip(x).dot(way) < 0.0 {
-                        self.case = Case::Stick;
-                        2.0 * self.limit()
-                    } else {
-                        0.0
-                    }
-                }
+            if case == Case::Apart {
+                self.choose(x);
+                // What is not yet near the surface itself may wait for the next step.
+                let missing = self.offset - self.normal.dot(x);
+                if missing > DEEP * self.thickness() { normal } else { 0.0 }
+            } else {
+                self.judge_friction(known, x)
             }
         };
         // What was apart in the solve has no force yet: one taken from how deep it went would grow from step to step.
@@ -197,6 +194,38 @@ impl Touch {
             Case::Slip(way) => normal * self.normal - self.friction * normal * way,
         };
         wrong
+    }
+
+    /// The same of friction, for the limit that was known in the solve.
+    fn judge_friction(&mut self, known: f64, x: DVec3) -> f64 {
+        let (slip, trial, limit) = (self.slip(x), self.trial(x), self.limit());
+        if known > UNKNOWN * limit && slip.length() > DEEP * self.thickness() {
+            self.steady = false;
+        }
+        match self.case {
+            Case::Stick if trial.length() <= (1.0 + SLACK) * limit => (trial.length() - limit).max(0.0),
+            case if !self.steady => {
+                let acted = match case {
+                    Case::Stick => trial.length(),
+                    _ if self.drag > 0.0 => self.drag * slip.length(),
+                    _ => known,
+                };
+                let excess = (acted - limit).max(0.0);
+                self.case = Case::Slip(slip.try_normalize().unwrap_or(self.normal.any_orthonormal_vector()));
+                // Without the force that was too much it slips further.
+                self.expected = slip.length() + excess / self.inertia;
+                excess
+            }
+            Case::Slip(way) if slip.dot(way) < 0.0 => {
+                self.case = Case::Stick;
+                2.0 * limit
+            }
+            Case::Stick => {
+                self.case = Case::Slip(-trial.normalize());
+                trial.length() - limit
+            }
+            Case::Slip(_) | Case::Apart => 0.0,
+        }
     }
 
     /// Potential of its force at `x`, J.
@@ -237,6 +266,8 @@ mod tests {
             last: 0.0,
             steady: true,
             drag: 0.0,
+            expected: 0.0,
+            inertia: 25.0,
             force: DVec3::ZERO,
             acted: DVec3::ZERO,
         }
