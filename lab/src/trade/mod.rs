@@ -64,8 +64,9 @@ fn measure(options: &Options) -> Result<ExitCode, String> {
     let mut record = |record: Record| json.as_mut().map_or(Ok(()), |json| json.write(&record));
     let cache = Cache::new(&options.cache)?;
     let methods: Vec<Method> = options.methods.iter().flat_map(|family| family.methods()).collect();
-    let stages = options.scenes.len() * options.sizes.len();
-    let progress = progress_bar(stages as u64 * (2 + row::STEPS * methods.len() as u64));
+    let count = |&scene: &Scene| methods.iter().filter(|method| scene.is_for(method)).count() as u64;
+    let of_a_size: u64 = options.scenes.iter().map(|scene| 2 + row::STEPS * count(scene)).sum();
+    let progress = progress_bar(options.sizes.len() as u64 * of_a_size);
 
     let (mut text, mut verdicts) = (String::new(), Vec::new());
     for (&scene, &side) in options.scenes.iter().flat_map(|scene| options.sizes.iter().map(move |side| (scene, side))) {
@@ -77,7 +78,7 @@ fn measure(options: &Options) -> Result<ExitCode, String> {
         let noise = noise::floor(&stage);
         progress.inc(1);
         let mut rows = Vec::new();
-        for method in &methods {
+        for method in methods.iter().filter(|method| scene.is_for(method)) {
             progress.set_message(format!("{}: {}, {}", stage.name(), method.family.title(), method.name));
             let row = row::measure(&stage, method, &reference, options.repeat, &progress);
             record(Record::Method(&row))?;
