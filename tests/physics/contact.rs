@@ -88,6 +88,60 @@ fn a_sheet_on_a_slope_stays_or_slides_as_coulomb_says() {
     }
 }
 
+/// From the first step on, however long that is: nothing has to give before it holds.
+#[test]
+fn a_sheet_put_on_a_slope_holds_at_once() {
+    for dt in [1.0 / 30.0, 1.0 / 240.0] {
+        // At .95 of the angle of friction.
+        let turn = DQuat::from_rotation_z(-0.95_f64.atan());
+        let pose = Pose { rotation: turn, ..Pose::IDENTITY };
+        let slope = Collider { start: pose, end: pose, ..floor(2.0) };
+        let mut cloth = turned_sheet(6, 0.2, turn * DVec3::Y * 0.003, turn);
+        cloth.set_fabric(Fabric::isotropic(0.15, 1000.0, 0.3, 1e-5).undamped()).unwrap();
+        cloth.set_colliders([slope]);
+        let start = mean(cloth.positions());
+        for _ in 0..(0.2 / dt) as u32 {
+            cloth.step(dt);
+        }
+        let moved = (mean(cloth.positions()) - start).dot(turn * DVec3::X);
+        assert!(moved.abs() < 3e-4, "{dt}: {moved}");
+    }
+}
+
+/// Friction in an impact is bounded by what presses: a cloth that were glued would be stretched by the whole way of the ball.
+#[test]
+fn a_fast_ball_takes_a_curtain_along_and_does_not_tear_it() {
+    for friction in [0.0, 0.1, 0.5] {
+        let mut cloth = turned_sheet(32, 1.0, DVec3::ZERO, DQuat::from_rotation_x(core::f64::consts::FRAC_PI_2));
+        for vertex in 0..32 {
+            cloth.pin(vertex, cloth.positions()[vertex as usize]);
+        }
+        let place = |step: u32| Pose::at(DVec3::new(0.0, -0.2, f64::from(step) * 6.0 * DT - 0.25));
+        let mut stretch = 0.0_f64;
+        for step in 0..30 {
+            let ball = Collider::fixed(1, SharedShape::ball(0.1), place(step), friction);
+            cloth.set_colliders([Collider { end: place(step + 1), ..ball }]);
+            assert_eq!(cloth.step(DT).outcome, StepOutcome::Accepted);
+            stretch = stretch.max(cloth.stretch().rms);
+        }
+        // All of its motion would stretch it by 6 %.
+        assert!(stretch > 2e-3, "{friction}: the ball hits nothing");
+        assert!(stretch < 0.06, "{friction}: {stretch}");
+    }
+}
+
+/// Linearised ahead, BDF2 drives free corners as fast as even thick air slows them; and cells that are coarse beside the ball lie on
+/// places between their vertices, which come and go.
+#[test]
+fn a_cloth_that_lies_comes_to_rest_with_its_free_corners_coarse_or_fine() {
+    for n in [12, 16, 20] {
+        let mut cloth = sheet(n, 1.0, DVec3::new(0.0, 0.31, 0.0));
+        cloth.set_fabric(Fabric { air_drag: 8.0, ..Fabric::cotton() }).unwrap();
+        run(&mut cloth, &[ball()], 480, |_| {});
+        assert!(fastest(&cloth) < 1e-3, "{n}: {}", fastest(&cloth));
+    }
+}
+
 #[test]
 fn forces_of_contact_carry_the_weight() {
     let mut cloth = sheet(8, 0.3, DVec3::new(0.0, 0.004, 0.0));

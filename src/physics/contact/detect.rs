@@ -54,7 +54,7 @@ impl ContactLayer {
         let bodies =
             self.nearby.colliders.iter().map(|&i| Body::new(&around.colliders[i as usize], around.from, around.to));
         let fast = bodies.filter(|body| fastest + body.travel() > least);
-        fast.map(|body| find::coming(&body, around, moving, least)).fold(0.0, f64::max)
+        fast.map(|body| find::coming(&body, &self.faces, around, moving, least)).fold(0.0, f64::max)
     }
 
     fn look_around(&mut self, around: &Surroundings, moving: &Moving) {
@@ -137,7 +137,6 @@ impl ContactLayer {
     /// Finds what would end inside a collider that it was not seen to come near, after a solve that leads to `end`. Says whether
     /// there was anything.
     pub fn find_late(&mut self, around: &Surroundings, moving: &Moving, end: impl Fn(usize) -> DVec3) -> bool {
-        let limits = [around.settings.thickness, find::reach(around)];
         let mut any = false;
         let bodies = self.bodies(around, moving, &end);
         for vertex in 0..moving.x.len() {
@@ -146,6 +145,7 @@ impl ContactLayer {
                 continue;
             }
             for &(index, ref body) in &bodies {
+                let limits = find::limits(body, &self.faces, around);
                 let way = body.local(moving.x[vertex], end);
                 let nearest = body.nearest(way[1], limits[1] + way[0].distance(way[1]));
                 let Ok(meeting) = body.meet(way, nearest, limits, moving.dt) else { continue };

@@ -13,6 +13,11 @@ use super::touch::SURFACE;
 const REACH: f64 = 2.0;
 /// Share of the thickness that a triangle may bulge into a round surface by, which its vertices keep.
 const BULGE: f64 = 1.0;
+/// Thicknesses, at most, that the vertices of a coarse cloth keep further off a round surface: places between them, each with a touch,
+/// come and go as the cloth moves, and would not let it rest.
+const LIFT: f64 = 2.0;
+/// Length of a side that this is made for, over that at rest.
+const STRETCHED: f64 = 1.1;
 /// What is so many thicknesses inside came from another side.
 const DEEPEST: f64 = 4.0;
 
@@ -49,7 +54,19 @@ pub(super) fn free(moving: &Moving, vertex: usize) -> DVec3 {
 
 /// Points that come nearer than this are watched, m.
 pub(super) fn reach(around: &Surroundings) -> f64 {
-    REACH * around.settings.thickness
+    (REACH + LIFT) * around.settings.thickness
+}
+
+/// How much further off a round collider vertices keep, m.
+fn lift(body: &Body, faces: &Faces, around: &Surroundings) -> f64 {
+    let thickness = around.settings.thickness;
+    body.bulge(STRETCHED * faces.longest, BULGE * thickness).min(LIFT * thickness)
+}
+
+/// How far off a collider vertices keep, and how near they are watched, m.
+pub(super) fn limits(body: &Body, faces: &Faces, around: &Surroundings) -> [f64; 2] {
+    let (thickness, lift) = (around.settings.thickness, lift(body, faces, around));
+    [thickness + lift, REACH * thickness + lift]
 }
 
 /// Finds vertices near the surface. Takes down where it is nearest to each that is not far, and how much room those have that are
@@ -63,7 +80,7 @@ pub(super) fn vertices(
     room: &mut [f64],
     mut then: impl FnMut(Found),
 ) {
-    let limits = [around.settings.thickness, reach(around)];
+    let limits = limits(body, faces, around);
     near.clear();
     for (vertex, room) in room.iter_mut().enumerate() {
         let (x, y) = (moving.x[vertex], free(moving, vertex));
@@ -92,8 +109,8 @@ pub(super) fn vertices(
 }
 
 /// How far a vertex that goes further than `least` would come into what is kept free, at most, m.
-pub(super) fn coming(body: &Body, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
-    let limits = [around.settings.thickness, reach(around)];
+pub(super) fn coming(body: &Body, faces: &Faces, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
+    let limits = limits(body, faces, around);
     let mut deepest = 0.0_f64;
     for vertex in (0..moving.x.len()).filter(|&vertex| !moving.held[vertex]) {
         let end = free(moving, vertex);
@@ -119,9 +136,11 @@ pub(super) fn between(
     mut then: impl FnMut(Found),
 ) {
     let thickness = around.settings.thickness;
-    let limits = Limits { thickness, reach: reach(around), deepest: features.core.min(DEEPEST * thickness) };
+    let reach = REACH * thickness;
+    let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord.
-    let bulges = |turn: f64| 0.125 * turn * faces.longest > BULGE * thickness;
+    let most = BULGE * thickness + lift(body, faces, around);
+    let bulges = |turn: f64| 0.125 * turn * faces.longest > most;
     for triangle in &faces.triangles {
         let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| near[vertex as usize]) else { continue };
         let corners = [a, b, c];

@@ -74,6 +74,13 @@ impl<'a> Body<'a> {
         Self { surface, start, end, own_box, bounds }
     }
 
+    /// How much further off a round collider the vertices of sides of this length must keep, so that what is between them keeps off
+    /// as far as a thickness allows: an arc bulges over its chord; m.
+    pub fn bulge(&self, side: f64, thickness: f64) -> f64 {
+        let arc = |radius: f64| side * side / (8.0 * radius);
+        self.surface.roundness().map_or(0.0, |radius| (arc(radius) - thickness).max(0.0))
+    }
+
     /// How far a point of the collider goes at most, m; infinite if it turns and has no end.
     pub fn travel(&self) -> f64 {
         let Some((low, high)) = self.bounds else {

@@ -55,6 +55,14 @@ impl<'a> Surface<'a> {
         }
     }
 
+    /// Radius of a surface that is round all over, m.
+    pub fn roundness(&self) -> Option<f64> {
+        match *self {
+            Self::Ball { radius } | Self::Capsule { radius, .. } => Some(radius),
+            _ => None,
+        }
+    }
+
     /// The nearest point of the surface, for a point in the frame of the shape. Where none is within a distance, that distance may
     /// stand for it.
     pub fn nearest(&self, p: DVec3, within: f64) -> Nearest {
