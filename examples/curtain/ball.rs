@@ -41,8 +41,6 @@ pub fn build(world: &mut World) {
     let mut ball = solid(world, Sphere::new(RADIUS), &rubber, Transform::from_translation(HAND));
     ball.insert((Name::new("Ball"), Ball { velocity: THROW }));
     if let Some(mut collider) = ball.get_mut::<ClothCollider>() {
-        // Polished: with friction, so fast a ball overstretches the curtain (a known limit).
-        collider.friction = 0.0;
         // Back to the hand it jumps.
         collider.teleport_distance = 0.5;
     }
