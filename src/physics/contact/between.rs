@@ -47,6 +47,11 @@ impl Passing {
         (0..3).map(|i| self.start[i].distance(self.end[i])).fold(0.0, f64::max)
     }
 
+    /// Length of the longest side at the end, m.
+    pub fn longest(&self) -> f64 {
+        (0..3).map(|i| self.end[i].distance(self.end[(i + 1) % 3])).fold(0.0, f64::max)
+    }
+
     /// Box of all of it, wider by a distance, m.
     pub fn bounds(&self, wider: f64) -> [DVec3; 2] {
         let points = self.start.into_iter().chain(self.end);

@@ -140,7 +140,7 @@ pub(super) fn between(
     let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord.
     let most = BULGE * thickness + lift(body, faces, around);
-    let bulges = |turn: f64| 0.125 * turn * faces.longest > most;
+    let bulges = |turn: f64, side: f64| 0.125 * turn * side > most;
     for triangle in &faces.triangles {
         let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| near[vertex as usize]) else { continue };
         let corners = [a, b, c];
@@ -152,8 +152,9 @@ pub(super) fn between(
         if closest > limits.reach + faces.longest + travel {
             continue;
         }
+        let side = passing.longest().max(faces.longest);
         let turn = |i: usize, j: usize| corners[i].nearest.normal.distance(corners[j].nearest.normal);
-        if travel < fast && !bulges(turn(0, 1).max(turn(1, 2)).max(turn(2, 0))) {
+        if travel < fast && !bulges(turn(0, 1).max(turn(1, 2)).max(turn(2, 0)), side) {
             continue;
         }
         if triangle.iter().all(|&vertex| moving.held[vertex as usize]) {
@@ -161,7 +162,7 @@ pub(super) fn between(
         }
         let [low, high] = passing.bounds(limits.reach);
         features.near(low, high, |index, feature| {
-            if !bulges(feature.angle.min(faces.longest / feature.radius.max(f64::MIN_POSITIVE))) {
+            if !bulges(feature.angle.min(side / feature.radius.max(f64::MIN_POSITIVE)), side) {
                 return;
             }
             passing.meet(feature, limits, |between| {
