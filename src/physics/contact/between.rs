@@ -44,12 +44,12 @@ pub(super) struct Limits {
 impl Passing {
     /// Length of the longest way of a vertex, m.
     pub fn travel(&self) -> f64 {
-        (0..3).map(|i| self.start[i].distance(self.end[i])).fold(0.0, f64::max)
+        (0..3).map(|i| self.start[i].distance_squared(self.end[i])).fold(0.0, f64::max).sqrt()
     }
 
-    /// Length of the longest side at the end, m.
-    pub fn longest(&self) -> f64 {
-        (0..3).map(|i| self.end[i].distance(self.end[(i + 1) % 3])).fold(0.0, f64::max)
+    /// Square of the length of the longest side at the end, m².
+    pub fn longest_squared(&self) -> f64 {
+        (0..3).map(|i| self.end[i].distance_squared(self.end[(i + 1) % 3])).fold(0.0, f64::max)
     }
 
     /// Box of all of it, wider by a distance, m.

@@ -138,22 +138,22 @@ pub(super) fn between(
     let thickness = around.settings.thickness;
     let reach = REACH * thickness;
     let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
-    // How far a side goes into a surface that turns by an angle along it, as an arc over its chord.
     let most = BULGE * thickness + lift(body, faces, around);
-    let bulges = |turn: f64, side: f64| 0.125 * turn * side > most;
+    // How far a side goes into a surface that turns by an angle along it, as an arc over its chord; both squared.
+    let bulges = |turn: f64, side: f64| turn * side > (8.0 * most) * (8.0 * most);
+    let fast = faces.longest.max(limits.reach);
     for triangle in &faces.triangles {
-        let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| near[vertex as usize]) else { continue };
+        let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| near[vertex as usize].as_ref()) else { continue };
         let corners = [a, b, c];
         let passing = Passing { start: corners.map(|corner| corner.way[0]), end: corners.map(|corner| corner.way[1]) };
-        let fast = faces.longest.max(limits.reach);
         let travel = passing.travel();
         // A triangle that meets something somewhere has no vertex further from it than its sides are long.
         let closest = corners.iter().map(|corner| corner.nearest.distance).fold(f64::INFINITY, f64::min);
         if closest > limits.reach + faces.longest + travel {
             continue;
         }
-        let side = passing.longest().max(faces.longest);
-        let turn = |i: usize, j: usize| corners[i].nearest.normal.distance(corners[j].nearest.normal);
+        let side = passing.longest_squared().max(faces.longest * faces.longest);
+        let turn = |i: usize, j: usize| corners[i].nearest.normal.distance_squared(corners[j].nearest.normal);
         if travel < fast && !bulges(turn(0, 1).max(turn(1, 2)).max(turn(2, 0)), side) {
             continue;
         }
@@ -162,7 +162,8 @@ pub(super) fn between(
         }
         let [low, high] = passing.bounds(limits.reach);
         features.near(low, high, |index, feature| {
-            if !bulges(feature.angle.min(side / feature.radius.max(f64::MIN_POSITIVE)), side) {
+            let turn = feature.angle.min(side.sqrt() / feature.radius.max(f64::MIN_POSITIVE));
+            if !bulges(turn * turn, side) {
                 return;
             }
             passing.meet(feature, limits, |between| {
