@@ -139,3 +139,28 @@ fn ground_is_no_shell() {
     let lowest = cloth.positions().iter().map(|x| x.y).fold(f64::MAX, f64::min);
     assert!(lowest > -1e-4, "{lowest}");
 }
+
+/// Contact turns a fast sheet aside, and what it comes to then was not in its way before.
+#[test]
+fn what_a_fast_sheet_is_turned_to_is_met_between_its_vertices_too() {
+    let half = Vec3::new(0.14, 0.2, 1.0);
+    let middle = |i: u32| Vec3::new(0.28 * i as f32, -0.18 * i as f32 - 0.2, 0.0);
+    let stair = |i: u32| (middle(i).into(), SharedShape::cuboid(half.x, half.y, half.z));
+    let stairs = Collider::fixed(0, SharedShape::compound((0..4).map(stair).collect()), Pose::IDENTITY, 0.3);
+    let mut cloth = sheet(24, 1.0, DVec3::new(0.3, 0.4, 0.0));
+    cloth.set_fabric(Fabric::isotropic(0.15, 1000.0, 0.3, 1e-5)).unwrap();
+    let places = cloth.positions().to_vec();
+    cloth.set_state(&places, &vec![DVec3::new(1.0, -5.0, 0.2); places.len()]);
+    for _ in 0..40 {
+        step(&mut cloth, core::slice::from_ref(&stairs));
+        for [a, b, c] in triangles(&cloth) {
+            let shares = (0..=8).flat_map(|i| (0..=8 - i).map(move |j| [i, j].map(|k| f64::from(k) / 8.0)));
+            for [u, v] in shares {
+                let x = a + u * (b - a) + v * (c - a);
+                let depth = |i: u32| -((x - middle(i).as_dvec3()).abs() - half.as_dvec3()).max_element();
+                let depth = (0..4).map(depth).fold(f64::NEG_INFINITY, f64::max);
+                assert!(depth < 0.003, "{depth} at {x}");
+            }
+        }
+    }
+}

@@ -175,6 +175,48 @@ impl ContactLayer {
                 any = true;
             }
         }
+        // In an impact, triangles come in elsewhere than they were seen to.
+        if around.to - around.from < 1.0 {
+            any |= self.find_between_late(&bodies, around, moving, end);
+        }
+        any
+    }
+
+    /// The same between vertices.
+    fn find_between_late(
+        &mut self,
+        bodies: &[(usize, Body)],
+        around: &Surroundings,
+        moving: &Moving,
+        end: impl Fn(usize) -> DVec3,
+    ) -> bool {
+        let (mut any, mut found) = (false, Vec::new());
+        for &(index, ref body) in bodies {
+            let shape = &around.colliders[index].shape;
+            let Some((_, features)) = self.features.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0)) else {
+                continue;
+            };
+            let near = find::ending(body, around, moving, &self.faces, &end);
+            find::between(body, features, &self.faces, around, moving, &near, |place| found.push(place));
+            found.sort_by_key(|found| (found.feature, found.vertices));
+            found.dedup_by_key(|found| (found.feature, found.vertices));
+            for found in found.drain(..) {
+                let places = found.vertices.iter().zip(found.weights);
+                let x: DVec3 = places.map(|(&vertex, weight)| weight * end(vertex as usize)).sum();
+                let held = |touch: &Touch| {
+                    (touch.collider as usize, touch.feature, touch.vertices) == (index, found.feature, found.vertices)
+                        && touch.is_active()
+                };
+                if found.meeting.normal.dot(x) > found.meeting.surface || self.touches.iter().any(held) {
+                    continue;
+                }
+                self.begin(found, index, body, around, moving);
+                if let Some(touch) = self.touches.last_mut() {
+                    touch.choose(x);
+                }
+                any = true;
+            }
+        }
         any
     }
 

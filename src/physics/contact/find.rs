@@ -108,6 +108,24 @@ pub(super) fn vertices(
     }
 }
 
+/// Where vertices are that end as these do, instead of where they would go.
+pub(super) fn ending(
+    body: &Body,
+    around: &Surroundings,
+    moving: &Moving,
+    faces: &Faces,
+    end: impl Fn(usize) -> DVec3,
+) -> Vec<Option<Near>> {
+    let aside = limits(body, faces, around)[1] + 2.0 * faces.longest;
+    let near = |vertex: usize| {
+        let (x, y) = (moving.x[vertex], end(vertex));
+        let way = body.local(x, y);
+        (body.distance_to_box(x.min(y), x.max(y)) <= aside)
+            .then(|| Near { way, nearest: body.nearest(way[1], aside + 2.0 * way[0].distance(way[1])) })
+    };
+    (0..moving.x.len()).map(near).collect()
+}
+
 /// How far a vertex that goes further than `least` would come into what is kept free, at most, m.
 pub(super) fn coming(body: &Body, faces: &Faces, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
     let limits = limits(body, faces, around);
