@@ -145,7 +145,9 @@ fn ground_is_no_shell() {
 fn what_a_fast_sheet_is_turned_to_is_met_between_its_vertices_too() {
     let half = Vec3::new(0.14, 0.2, 1.0);
     let middle = |i: u32| Vec3::new(0.28 * i as f32, -0.18 * i as f32 - 0.2, 0.0);
-    let stair = |i: u32| (middle(i).into(), SharedShape::cuboid(half.x, half.y, half.z));
+    let stair = |i: u32| {
+        (bevy_cloth::parry3d::math::Pose::from_translation(middle(i)), SharedShape::cuboid(half.x, half.y, half.z))
+    };
     let stairs = Collider::fixed(0, SharedShape::compound((0..4).map(stair).collect()), Pose::IDENTITY, 0.3);
     let mut cloth = sheet(24, 1.0, DVec3::new(0.3, 0.4, 0.0));
     cloth.set_fabric(Fabric::isotropic(0.15, 1000.0, 0.3, 1e-5)).unwrap();
