@@ -85,7 +85,8 @@ impl core::fmt::Debug for Collider {
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactSettings {
-    /// Distance that the cloth keeps from a collider's surface, m: the half of its own thickness, and room for errors.
+    /// Distance that the cloth keeps from a collider's surface, m: the half of its own thickness, and room for errors. The vertices of
+    /// cells that are coarse beside a ball or capsule keep up to three times that, so that what is between them does not cut into it.
     pub thickness: f64,
     /// Coefficient of Coulomb friction of the fabric. That of a pair is the geometric mean of both.
     pub friction: f64,

@@ -299,6 +299,26 @@ mod tests {
         assert_eq!(cases[2], Case::Apart);
     }
 
+    /// A point of 1 kg, pushed along by 50 N in a step of 1 s, at a surface whose limit is taken for a hundred times what it is.
+    #[test]
+    fn friction_of_an_unknown_limit_comes_down_to_what_presses() {
+        let (mass, load) = (1.0, DVec3::new(50.0, 0.0, 0.0));
+        let begin = DVec3::new(0.0, 0.0028, 0.0);
+        let mut touch =
+            Touch { carried: begin, lambda: 2.0, tau: DVec3::ZERO, pressing: 200.0, inertia: mass, ..touch() };
+        let mut excess = f64::INFINITY;
+        for _ in 0..8 {
+            touch.case = if touch.case == Case::Apart { Case::Stick } else { touch.case };
+            let term = touch.term(begin);
+            let along = (load + term.force).x / (mass + term.stiffness.x_axis.x);
+            excess = touch.judge(begin + DVec3::X * along);
+        }
+        // N is λ and what the surface gives, 2.02 N.
+        let (limit, friction) = (touch.limit(), -touch.acted.x);
+        assert!((limit - 1.01).abs() < 1e-12 && !touch.steady, "{limit}");
+        assert!(excess < 0.02 * limit && (0.9..1.02).contains(&(friction / limit)), "{friction}");
+    }
+
     #[test]
     fn what_pulls_is_let_go_and_what_slips_back_sticks() {
         let mut pulled = touch();

@@ -9,7 +9,8 @@ use crate::physics::ContactSettings;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ClothContact {
-    /// Distance that the cloth keeps from a collider's surface, m: the half of its own thickness, and room for errors.
+    /// Distance that the cloth keeps from a collider's surface, m: the half of its own thickness, and room for errors. The vertices of
+    /// cells that are coarse beside a ball or capsule keep up to three times that.
     pub thickness: f32,
     /// Coefficient of Coulomb friction of the fabric. That of a pair is the geometric mean of both.
     pub friction: f32,
