@@ -6,7 +6,7 @@ use example_common::{
     lathe::turned,
     props::{look, mesh, solid, varnished},
 };
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 type Look = MeshMaterial3d<StandardMaterial>;
 
@@ -84,9 +84,10 @@ fn plate_and_cup(world: &mut World, china: &Look, place: Vec3) {
     solid(world, Cylinder::new(0.11, PLATE), china, Transform::from_translation(place + 0.5 * PLATE * Vec3::Y));
     let outline = [(0.0, 0.0), FOOT, RIM, (0.039, 0.085), (0.031, 0.006), (0.0, 0.006)];
     let cup = mesh(world, turned(&outline, 0.003));
-    // The fewer points a hull has, the cheaper it is.
+    // The fewer points a hull has, the cheaper it is: those of a polygon around the cup.
     let around = |(radius, height): (f32, f32)| {
-        (0..16).map(move |nth| Quat::from_rotation_y(TAU * nth as f32 / 16.0) * Vec3::new(radius, height, 0.0))
+        let corner = Vec3::new(radius / (PI / 16.0).cos(), height, 0.0);
+        (0..16).map(move |nth| Quat::from_rotation_y(TAU * nth as f32 / 16.0) * corner)
     };
     let points: Vec<Vec3> = around(FOOT).chain(around(RIM)).collect();
     let hull = ClothCollider::convex_hull(&points).expect("a body");

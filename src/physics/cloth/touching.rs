@@ -26,8 +26,6 @@ const MOST_CONTACT_STEPS: u32 = 8;
 /// How far a surface may come into the free way of a vertex in a substep, in sides of triangles: what is pushed on further while
 /// those beside it are not is torn about.
 const LEAP: f64 = 0.5;
-/// That in thicknesses, at least: a finer cloth needs no more substeps.
-const LEAST_LEAP: f64 = 6.0;
 /// Substeps, at most, that an impact is taken in.
 const MOST_PIECES: f64 = 16.0;
 
@@ -65,7 +63,7 @@ impl<T: Scalar> Implicit<T> {
 
     /// Substeps in which nothing comes into the cloth too far at once.
     pub fn impact_pieces(&mut self, step: Step, state: &State) -> u32 {
-        let leap = (LEAP * self.contact.longest_side()).max(LEAST_LEAP * step.around.settings.thickness);
+        let leap = LEAP * self.contact.longest_side();
         let deepest = self.contact.coming(&step.around, &moving(&step, state), leap);
         (deepest / leap).ceil().clamp(1.0, MOST_PIECES) as u32
     }
