@@ -70,7 +70,6 @@ impl ContactLayer {
             touch.lambda = touch.pressing;
             touch.tau = (-inertia * free_slip).clamp_length_max(touch.limit());
         }
-        let give = GIVE * settings.thickness;
         if let Some(memory) = self.memory.recall(collider.id, &touch) {
             let tangential = |way: DVec3| way - touch.normal.dot(way) * touch.normal;
             // The force of an impact would throw the vertex off again: what lasts is in two steps.
@@ -93,10 +92,10 @@ impl ContactLayer {
         // before, or to stop what comes in, with the fabric that pulls it.
         let coming = (touch.offset - touch.normal.dot(inertial)).max(0.0);
         let load = touch.last.max(inertia * coming);
-        touch.steady |= coming < GENTLE * settings.thickness;
         let thickness = settings.thickness;
+        touch.steady |= coming < GENTLE * thickness;
         let pulled = OVER_FABRIC * self.fabric * (coming / thickness).min(1.0);
-        let stiff = (load / give).min(STIFFEST * self.fabric);
+        let stiff = (load / (GIVE * thickness)).min(STIFFEST * self.fabric);
         touch.stiffness = pulled + (OVER_INERTIA * inertia).max(stiff);
         // What is not held up by the surface may be by the fabric: gravity alone brings nothing into touch.
         let pulled_in = (touch.last > 0.0 || fresh) && touch.normal.dot(y - inertial) < 0.0;

@@ -102,9 +102,7 @@ impl ContactLayer {
             let Self { faces, near, room, features, .. } = self;
             find::vertices(&body, around, moving, faces, near, room, |vertex| found.push(vertex));
             find::between(&body, &features[known].1, faces, around, moving, near, |place| found.push(place));
-            // An edge of the cloth is a side of two triangles.
-            found.sort_by_key(|found| (found.feature, found.vertices));
-            found.dedup_by_key(|found| (found.feature, found.vertices));
+            find::distinct(&mut found);
             for found in found.drain(..) {
                 self.begin(found, index, &body, around, moving);
             }
@@ -196,10 +194,9 @@ impl ContactLayer {
             let Some((_, features)) = self.features.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0)) else {
                 continue;
             };
-            let near = find::ending(body, around, moving, &self.faces, &end);
-            find::between(body, features, &self.faces, around, moving, &near, |place| found.push(place));
-            found.sort_by_key(|found| (found.feature, found.vertices));
-            found.dedup_by_key(|found| (found.feature, found.vertices));
+            find::ending(body, around, moving, &self.faces, &mut self.near, &end);
+            find::between(body, features, &self.faces, around, moving, &self.near, |place| found.push(place));
+            find::distinct(&mut found);
             for found in found.drain(..) {
                 let places = found.vertices.iter().zip(found.weights);
                 let x: DVec3 = places.map(|(&vertex, weight)| weight * end(vertex as usize)).sum();

@@ -52,7 +52,7 @@ pub(super) fn free(moving: &Moving, vertex: usize) -> DVec3 {
     moving.x[vertex] + moving.dt * (moving.v[vertex] + moving.dt * moving.gravity)
 }
 
-/// Points that come nearer than this are watched, m.
+/// Points that come nearer than this are watched, at most, m.
 pub(super) fn reach(around: &Surroundings) -> f64 {
     (REACH + LIFT) * around.settings.thickness
 }
@@ -80,25 +80,22 @@ pub(super) fn vertices(
     room: &mut [f64],
     mut then: impl FnMut(Found),
 ) {
-    let limits = limits(body, faces, around);
+    let (limits, aside) = (limits(body, faces, around), aside(body, faces, around));
     near.clear();
     for (vertex, room) in room.iter_mut().enumerate() {
-        let (x, y) = (moving.x[vertex], free(moving, vertex));
-        // As far as a triangle of it can reach, stretched to twice its sides.
-        let aside = limits[1] + 2.0 * faces.longest;
-        let apart = body.distance_to_box(x.min(y), x.max(y));
-        if apart > aside {
-            near.push(None);
-            *room = room.min(apart - limits[1]);
-            continue;
-        }
-        let way = body.local(x, y);
-        let nearest = body.nearest(way[1], aside + 2.0 * way[0].distance(way[1]));
-        near.push(Some(Near { way, nearest }));
+        let found = match look(body, moving.x[vertex], free(moving, vertex), aside) {
+            Ok(found) => found,
+            Err(apart) => {
+                near.push(None);
+                *room = room.min(apart - limits[1]);
+                continue;
+            }
+        };
+        near.push(Some(found));
         if moving.held[vertex] {
             continue;
         }
-        match body.meet(way, nearest, limits, moving.dt) {
+        match body.meet(found.way, found.nearest, limits, moving.dt) {
             Ok(meeting) => {
                 *room = 0.0;
                 then(Found { vertices: [vertex as u32; 3], weights: [1.0, 0.0, 0.0], feature: SURFACE, meeting });
@@ -108,22 +105,39 @@ pub(super) fn vertices(
     }
 }
 
-/// Where vertices are that end as these do, instead of where they would go.
+/// Takes down where vertices are near the surface that end as these do, instead of where they would go.
 pub(super) fn ending(
     body: &Body,
     around: &Surroundings,
     moving: &Moving,
     faces: &Faces,
+    near: &mut Vec<Option<Near>>,
     end: impl Fn(usize) -> DVec3,
-) -> Vec<Option<Near>> {
-    let aside = limits(body, faces, around)[1] + 2.0 * faces.longest;
-    let near = |vertex: usize| {
-        let (x, y) = (moving.x[vertex], end(vertex));
-        let way = body.local(x, y);
-        (body.distance_to_box(x.min(y), x.max(y)) <= aside)
-            .then(|| Near { way, nearest: body.nearest(way[1], aside + 2.0 * way[0].distance(way[1])) })
-    };
-    (0..moving.x.len()).map(near).collect()
+) {
+    let aside = aside(body, faces, around);
+    near.clear();
+    near.extend((0..moving.x.len()).map(|vertex| look(body, moving.x[vertex], end(vertex), aside).ok()));
+}
+
+/// How far off a collider a vertex is near: as far as a triangle of it can reach, stretched to twice its sides, m.
+fn aside(body: &Body, faces: &Faces, around: &Surroundings) -> f64 {
+    limits(body, faces, around)[1] + 2.0 * faces.longest
+}
+
+/// Where the surface is nearest to a vertex on its way, if it may be near; else how far it is at least, m.
+fn look(body: &Body, x: DVec3, y: DVec3, aside: f64) -> Result<Near, f64> {
+    let apart = body.distance_to_box(x.min(y), x.max(y));
+    if apart > aside {
+        return Err(apart);
+    }
+    let way = body.local(x, y);
+    Ok(Near { way, nearest: body.nearest(way[1], aside + 2.0 * way[0].distance(way[1])) })
+}
+
+/// Leaves one of each: an edge of the cloth is a side of two triangles.
+pub(super) fn distinct(found: &mut Vec<Found>) {
+    found.sort_by_key(|found| (found.feature, found.vertices));
+    found.dedup_by_key(|found| (found.feature, found.vertices));
 }
 
 /// How far a vertex that goes further than `least` would come into what is kept free, at most, m.

@@ -18,6 +18,9 @@ const SLACK: f64 = 0.02;
 /// A limit of friction that was so many times what it is was not known.
 const UNKNOWN: f64 = 2.0;
 
+/// Share of the thickness that what rests may slip by in a step: whatever its limit was taken for, little came of it.
+const SHORT: f64 = 0.3;
+
 /// In place of a corner or an edge: all of the surface.
 pub(super) const SURFACE: u32 = u32::MAX;
 
@@ -199,7 +202,7 @@ impl Touch {
     /// The same of friction, for the limit that was known in the solve.
     fn judge_friction(&mut self, known: f64, x: DVec3) -> f64 {
         let (slip, trial, limit) = (self.slip(x), self.trial(x), self.limit());
-        if known > UNKNOWN * limit && slip.length() > DEEP * self.thickness() {
+        if known > UNKNOWN * limit && slip.length() > SHORT * self.thickness() {
             self.steady = false;
         }
         match self.case {
