@@ -47,11 +47,6 @@ impl Passing {
         (0..3).map(|i| self.start[i].distance_squared(self.end[i])).fold(0.0, f64::max).sqrt()
     }
 
-    /// Square of the length of the longest side at the end, m².
-    pub fn longest_squared(&self) -> f64 {
-        (0..3).map(|i| self.end[i].distance_squared(self.end[(i + 1) % 3])).fold(0.0, f64::max)
-    }
-
     /// Box of all of it, wider by a distance, m.
     pub fn bounds(&self, wider: f64) -> [DVec3; 2] {
         let points = self.start.into_iter().chain(self.end);

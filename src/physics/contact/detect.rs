@@ -6,7 +6,7 @@ use bevy::math::DVec3;
 use parry3d::shape::SharedShape;
 
 use super::features::Features;
-use super::find::{self, Found, free};
+use super::find::{self, Found};
 use super::layer::{ContactLayer, Moving, Surroundings};
 use super::meeting::Body;
 use super::touch::{SURFACE, Touch};
@@ -24,17 +24,10 @@ pub(super) struct Nearby {
     colliders: Vec<u32>,
     /// How far a vertex may end from its free way without coming near any other, m.
     room: f64,
+    /// By vertex: where its free way ends, m.
+    free: Vec<DVec3>,
     /// Whether this holds for a whole step that nothing was done in yet.
     fresh: bool,
-}
-
-/// Box of the ways of all vertices, m.
-fn ways(moving: &Moving) -> (DVec3, DVec3) {
-    let nowhere = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    (0..moving.x.len()).fold(nowhere, |(low, high), vertex| {
-        let (x, y) = (moving.x[vertex], free(moving, vertex));
-        (low.min(x).min(y), high.max(x).max(y))
-    })
 }
 
 impl ContactLayer {
@@ -44,23 +37,25 @@ impl ContactLayer {
         if around.colliders.is_empty() {
             return 0.0;
         }
-        self.look_around(around, moving);
+        let fastest = self.look_around(around, moving);
         self.nearby.fresh = true;
-        if self.nearby.colliders.is_empty() {
-            return 0.0;
-        }
-        let squares = (0..moving.x.len()).map(|v| moving.x[v].distance_squared(free(moving, v)));
-        let fastest = squares.fold(0.0, f64::max).sqrt();
-        let bodies =
-            self.nearby.colliders.iter().map(|&i| Body::new(&around.colliders[i as usize], around.from, around.to));
+        let Nearby { colliders, free, .. } = &self.nearby;
+        let bodies = colliders.iter().map(|&i| Body::new(&around.colliders[i as usize], around.from, around.to));
         let fast = bodies.filter(|body| fastest + body.travel() > least);
-        fast.map(|body| find::coming(&body, &self.faces, around, moving, least)).fold(0.0, f64::max)
+        fast.map(|body| find::coming(&body, &self.faces, around, moving, free, least)).fold(0.0, f64::max)
     }
 
-    fn look_around(&mut self, around: &Surroundings, moving: &Moving) {
-        let (low, high) = ways(moving);
+    /// Notes which colliders are near, and says how long the longest free way is, m.
+    fn look_around(&mut self, around: &Surroundings, moving: &Moving) -> f64 {
+        let Nearby { colliders, room, free, .. } = &mut self.nearby;
+        free.clear();
+        free.extend((0..moving.x.len()).map(|vertex| find::free(moving, vertex)));
+        let (mut low, mut high, mut fastest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
+        for (&x, &y) in moving.x.iter().zip(&*free) {
+            (low, high) = (low.min(x).min(y), high.max(x).max(y));
+            fastest = fastest.max(x.distance_squared(y));
+        }
         let reach = find::reach(around);
-        let Nearby { colliders, room, .. } = &mut self.nearby;
         colliders.clear();
         *room = f64::INFINITY;
         for (index, collider) in (0..).zip(around.colliders) {
@@ -71,6 +66,7 @@ impl ContactLayer {
                 colliders.push(index);
             }
         }
+        fastest.sqrt()
     }
 
     /// Finds the touches of a substep.
@@ -82,7 +78,7 @@ impl ContactLayer {
             self.look_around(around, moving);
         }
         self.nearby.fresh = false;
-        let mut found = Vec::new();
+        let mut found = core::mem::take(&mut self.found);
         let mut before = core::mem::take(&mut self.features);
         for near in 0..self.nearby.colliders.len() {
             let index = self.nearby.colliders[near] as usize;
@@ -99,53 +95,68 @@ impl ContactLayer {
                 self.features.push(of_shape);
                 self.features.len() - 1
             });
-            let Self { faces, near, room, features, .. } = self;
-            find::vertices(&body, around, moving, faces, near, room, |vertex| found.push(vertex));
-            find::between(&body, &features[known].1, faces, around, moving, near, |place| found.push(place));
-            find::distinct(&mut found);
+            let Self { faces, near, room, features, nearby: Nearby { free, .. }, .. } = self;
+            let features = &features[known].1;
+            let noted = (!features.is_empty()).then_some(&mut *near);
+            find::vertices(&body, around, moving, faces, free, noted, room, |vertex| found.push(vertex));
+            if !features.is_empty() {
+                let vertices = found.len();
+                find::between(&body, features, faces, around, moving, near, |place| found.push(place));
+                find::distinct(&mut found, vertices);
+            }
             for found in found.drain(..) {
                 self.begin(found, index, &body, around, moving);
             }
         }
-    }
-
-    /// The colliders that matter where vertices end as these do, which may be elsewhere than where they were looked for.
-    fn bodies<'a>(
-        &self,
-        around: &Surroundings<'a>,
-        moving: &Moving,
-        end: impl Fn(usize) -> DVec3,
-    ) -> Vec<(usize, Body<'a>)> {
-        let body = |index: usize| (index, Body::new(&around.colliders[index], around.from, around.to));
-        let room = self.nearby.room * self.nearby.room;
-        let astray = |vertex: usize| end(vertex).distance_squared(free(moving, vertex)) >= room;
-        if room.is_finite() && (0..moving.x.len()).any(astray) {
-            (0..around.colliders.len()).map(body).collect()
-        } else {
-            self.nearby.colliders.iter().map(|&index| body(index as usize)).collect()
+        self.found = found;
+        let all = self.nearby.room;
+        for (room, &held) in self.room.iter_mut().zip(moving.held) {
+            let least = room.min(all);
+            *room = if held { f64::INFINITY } else { least * least };
         }
     }
 
-    /// Whether a vertex that ends there may be near what it was not seen to come near.
-    fn strays(&self, moving: &Moving, vertex: usize, end: DVec3) -> bool {
-        let room = self.room[vertex].min(self.nearby.room);
-        !moving.held[vertex] && end.distance_squared(free(moving, vertex)) >= room * room
+    /// Looks for vertices that may end near what they were not seen to come near, and gives the colliders that matter to them.
+    fn look_astray<'a>(
+        &mut self,
+        around: &Surroundings<'a>,
+        end: impl Fn(usize) -> DVec3,
+    ) -> Vec<(usize, Body<'a>)> {
+        let Self { astray, room, nearby: Nearby { colliders, room: all, free, .. }, .. } = self;
+        astray.clear();
+        let mut furthest = 0.0_f64;
+        for (vertex, (&free, &room)) in free.iter().zip(&*room).enumerate() {
+            let square = end(vertex).distance_squared(free);
+            furthest = furthest.max(square);
+            if square >= room {
+                astray.push(vertex as u32);
+            }
+        }
+        let body = |index: usize| (index, Body::new(&around.colliders[index], around.from, around.to));
+        if furthest >= *all * *all {
+            (0..around.colliders.len()).map(body).collect()
+        } else {
+            colliders.iter().map(|&index| body(index as usize)).collect()
+        }
     }
 
     /// Finds what would end inside a collider that it was not seen to come near, after a solve that leads to `end`. Says whether
     /// there was anything.
     pub fn find_late(&mut self, around: &Surroundings, moving: &Moving, end: impl Fn(usize) -> DVec3) -> bool {
         let mut any = false;
-        let bodies = self.bodies(around, moving, &end);
-        for vertex in 0..moving.x.len() {
-            let end = end(vertex);
-            if !self.strays(moving, vertex, end) {
-                continue;
-            }
-            for &(index, ref body) in &bodies {
-                let limits = find::limits(body, &self.faces, around);
+        let bodies = self.look_astray(around, &end);
+        let astray = core::mem::take(&mut self.astray);
+        for &(index, ref body) in &bodies {
+            let limits = find::limits(body, &self.faces, around);
+            for vertex in astray.iter().map(|&vertex| vertex as usize) {
+                let end = end(vertex);
                 let way = body.local(moving.x[vertex], end);
-                let nearest = body.nearest(way[1], limits[1] + way[0].distance(way[1]));
+                let travel = way[0].distance(way[1]);
+                let nearest = body.nearest(way[1], limits[1] + travel);
+                if nearest.distance > travel {
+                    // It is outside, and did not come far enough to have been anywhere else.
+                    continue;
+                }
                 let Ok(meeting) = body.meet(way, nearest, limits, moving.dt) else { continue };
                 if meeting.surface - meeting.normal.dot(end) < 0.0 {
                     continue;
@@ -173,6 +184,7 @@ impl ContactLayer {
                 any = true;
             }
         }
+        self.astray = astray;
         // In an impact, triangles come in elsewhere than they were seen to.
         if around.to - around.from < 1.0 {
             any |= self.find_between_late(&bodies, around, moving, end);
@@ -196,7 +208,7 @@ impl ContactLayer {
             };
             find::ending(body, around, moving, &self.faces, &mut self.near, &end);
             find::between(body, features, &self.faces, around, moving, &self.near, |place| found.push(place));
-            find::distinct(&mut found);
+            find::distinct(&mut found, 0);
             for found in found.drain(..) {
                 let places = found.vertices.iter().zip(found.weights);
                 let x: DVec3 = places.map(|(&vertex, weight)| weight * end(vertex as usize)).sum();
@@ -218,24 +230,28 @@ impl ContactLayer {
     }
 
     /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
-    pub fn guard(&self, around: &Surroundings, moving: &Moving, end: &mut [DVec3], velocities: &mut [DVec3]) -> u32 {
+    pub fn guard(&mut self, around: &Surroundings, moving: &Moving, end: &mut [DVec3], velocities: &mut [DVec3]) -> u32 {
         if around.colliders.is_empty() {
             return 0;
         }
         let mut rescued = 0;
-        let bodies = self.bodies(around, moving, |vertex| end[vertex]);
+        let bodies = self.look_astray(around, |vertex| end[vertex]);
         let margin = MARGIN * around.settings.thickness;
-        for vertex in 0..end.len() {
-            if !self.strays(moving, vertex, end[vertex]) {
-                continue;
-            }
-            // What is moved out of one part of a collider may be in another.
-            for body in bodies.iter().flat_map(|(_, body)| [body; RESCUES]) {
-                let way = body.local(moving.x[vertex], end[vertex]);
-                let nearest = body.nearest(way[1], way[0].distance(way[1]) + around.settings.thickness);
-                let Ok(meeting) = body.meet(way, nearest, [0.0, 0.0], moving.dt) else { continue };
-                let depth = meeting.surface - meeting.normal.dot(end[vertex]);
-                if depth > 0.0 {
+        for vertex in self.astray.iter().map(|&vertex| vertex as usize) {
+            for (_, body) in &bodies {
+                // What is moved out of one part of a collider may be in another.
+                for _ in 0..RESCUES {
+                    let way = body.local(moving.x[vertex], end[vertex]);
+                    let travel = way[0].distance(way[1]);
+                    let nearest = body.nearest(way[1], travel + around.settings.thickness);
+                    if nearest.distance > travel {
+                        break;
+                    }
+                    let Ok(meeting) = body.meet(way, nearest, [0.0, 0.0], moving.dt) else { break };
+                    let depth = meeting.surface - meeting.normal.dot(end[vertex]);
+                    if depth <= 0.0 {
+                        break;
+                    }
                     rescued += 1;
                     end[vertex] += (depth + margin) * meeting.normal;
                     let surface = (meeting.carried - moving.x[vertex]) / moving.dt;

@@ -75,6 +75,11 @@ impl Features {
         Self { all, tree, core }
     }
 
+    /// Whether the shape is smooth all over.
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
     /// Those whose boxes meet the box from `low` to `high`, with their numbers.
     pub fn near(&self, low: DVec3, high: DVec3, mut then: impl FnMut(u32, &Feature)) {
         let bounds = Aabb::new(low.as_vec3(), high.as_vec3());

@@ -38,13 +38,26 @@ pub(super) struct Faces {
     pub longest: f64,
 }
 
-/// A vertex near a collider, in the frame of that.
+/// A vertex near a collider, in the frame of that. It fills a cache line: triangles come by many times.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct Near {
-    /// Where it is when the step begins, and where it would go, m.
-    way: [DVec3; 2],
-    /// The surface nearest to where it would go.
+    /// Where it would go, m.
+    end: DVec3,
+    /// The surface nearest to that.
     nearest: Nearest,
+    /// How far it goes, m.
+    travel: f64,
+}
+
+impl Near {
+    /// Of a vertex that is not near.
+    const FAR: Self =
+        Self { end: DVec3::ZERO, nearest: Nearest { distance: f64::INFINITY, normal: DVec3::ZERO }, travel: 0.0 };
+
+    fn is_far(&self) -> bool {
+        self.nearest.distance == f64::INFINITY
+    }
 }
 
 /// Where a vertex would go if nothing but gravity acted on it.
@@ -69,33 +82,39 @@ pub(super) fn limits(body: &Body, faces: &Faces, around: &Surroundings) -> [f64;
     [thickness + lift, REACH * thickness + lift]
 }
 
-/// Finds vertices near the surface. Takes down where it is nearest to each that is not far, and how much room those have that are
-/// not near.
+/// Finds vertices near the surface. Takes down where it is nearest to each that is not far, if there is a place for that, and how much
+/// room those have that are not near.
 pub(super) fn vertices(
     body: &Body,
     around: &Surroundings,
     moving: &Moving,
     faces: &Faces,
-    near: &mut Vec<Option<Near>>,
+    free: &[DVec3],
+    mut near: Option<&mut Vec<Near>>,
     room: &mut [f64],
     mut then: impl FnMut(Found),
 ) {
-    let (limits, aside) = (limits(body, faces, around), aside(body, faces, around));
-    near.clear();
+    let limits = limits(body, faces, around);
+    let aside = if near.is_some() { aside(body, faces, around) } else { limits[1] };
+    if let Some(near) = &mut near {
+        near.clear();
+    }
     for (vertex, room) in room.iter_mut().enumerate() {
-        let found = match look(body, moving.x[vertex], free(moving, vertex), aside) {
-            Ok(found) => found,
+        let looked = look(body, moving.x[vertex], free[vertex], aside);
+        if let Some(near) = &mut near {
+            near.push(looked.map_or(Near::FAR, |(_, found)| found));
+        }
+        let (start, Near { end, nearest, .. }) = match looked {
+            Ok(looked) => looked,
             Err(apart) => {
-                near.push(None);
                 *room = room.min(apart - limits[1]);
                 continue;
             }
         };
-        near.push(Some(found));
         if moving.held[vertex] {
             continue;
         }
-        match body.meet(found.way, found.nearest, limits, moving.dt) {
+        match body.meet([start, end], nearest, limits, moving.dt) {
             Ok(meeting) => {
                 *room = 0.0;
                 then(Found { vertices: [vertex as u32; 3], weights: [1.0, 0.0, 0.0], feature: SURFACE, meeting });
@@ -111,12 +130,14 @@ pub(super) fn ending(
     around: &Surroundings,
     moving: &Moving,
     faces: &Faces,
-    near: &mut Vec<Option<Near>>,
+    near: &mut Vec<Near>,
     end: impl Fn(usize) -> DVec3,
 ) {
     let aside = aside(body, faces, around);
     near.clear();
-    near.extend((0..moving.x.len()).map(|vertex| look(body, moving.x[vertex], end(vertex), aside).ok()));
+    near.extend((0..moving.x.len()).map(|vertex| {
+        look(body, moving.x[vertex], end(vertex), aside).map_or(Near::FAR, |(_, found)| found)
+    }));
 }
 
 /// How far off a collider a vertex is near: as far as a triangle of it can reach, stretched to twice its sides, m.
@@ -124,28 +145,36 @@ fn aside(body: &Body, faces: &Faces, around: &Surroundings) -> f64 {
     limits(body, faces, around)[1] + 2.0 * faces.longest
 }
 
-/// Where the surface is nearest to a vertex on its way, if it may be near; else how far it is at least, m.
-fn look(body: &Body, x: DVec3, y: DVec3, aside: f64) -> Result<Near, f64> {
+/// Where a vertex begins its way and where the surface is nearest to its end, if it may be near; else how far it is at least, m.
+fn look(body: &Body, x: DVec3, y: DVec3, aside: f64) -> Result<(DVec3, Near), f64> {
     let apart = body.distance_to_box(x.min(y), x.max(y));
     if apart > aside {
         return Err(apart);
     }
-    let way = body.local(x, y);
-    Ok(Near { way, nearest: body.nearest(way[1], aside + 2.0 * way[0].distance(way[1])) })
+    let [start, end] = body.local(x, y);
+    let travel = start.distance(end);
+    Ok((start, Near { end, nearest: body.nearest(end, aside + 2.0 * travel), travel }))
 }
 
-/// Leaves one of each: an edge of the cloth is a side of two triangles.
-pub(super) fn distinct(found: &mut Vec<Found>) {
-    found.sort_by_key(|found| (found.feature, found.vertices));
+/// Leaves one of each after the first so many: an edge of the cloth is a side of two triangles.
+pub(super) fn distinct(found: &mut Vec<Found>, vertices: usize) {
+    found[vertices..].sort_by_key(|found| (found.feature, found.vertices));
     found.dedup_by_key(|found| (found.feature, found.vertices));
 }
 
 /// How far a vertex that goes further than `least` would come into what is kept free, at most, m.
-pub(super) fn coming(body: &Body, faces: &Faces, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
+pub(super) fn coming(
+    body: &Body,
+    faces: &Faces,
+    around: &Surroundings,
+    moving: &Moving,
+    free: &[DVec3],
+    least: f64,
+) -> f64 {
     let limits = limits(body, faces, around);
     let mut deepest = 0.0_f64;
     for vertex in (0..moving.x.len()).filter(|&vertex| !moving.held[vertex]) {
-        let end = free(moving, vertex);
+        let end = free[vertex];
         let way = body.local(moving.x[vertex], end);
         if way[0].distance_squared(way[1]) > least * least
             && let Ok(meeting) =
@@ -164,7 +193,7 @@ pub(super) fn between(
     faces: &Faces,
     around: &Surroundings,
     moving: &Moving,
-    near: &[Option<Near>],
+    near: &[Near],
     mut then: impl FnMut(Found),
 ) {
     let thickness = around.settings.thickness;
@@ -175,23 +204,25 @@ pub(super) fn between(
     let bulges = |turn: f64, side: f64| turn * side > (8.0 * most) * (8.0 * most);
     let fast = faces.longest.max(limits.reach);
     for triangle in &faces.triangles {
-        let [Some(a), Some(b), Some(c)] = triangle.map(|vertex| near[vertex as usize].as_ref()) else { continue };
-        let corners = [a, b, c];
-        let passing = Passing { start: corners.map(|corner| corner.way[0]), end: corners.map(|corner| corner.way[1]) };
-        let travel = passing.travel();
+        let corners = triangle.map(|vertex| &near[vertex as usize]);
+        let most_of = |value: &dyn Fn(usize) -> f64| value(0).max(value(1)).max(value(2));
+        let travel = most_of(&|i| corners[i].travel);
         // A triangle that meets something somewhere has no vertex further from it than its sides are long.
-        let closest = corners.iter().map(|corner| corner.nearest.distance).fold(f64::INFINITY, f64::min);
-        if closest > limits.reach + faces.longest + travel {
+        let closest = -most_of(&|i| -corners[i].nearest.distance);
+        if closest > limits.reach + faces.longest + travel || corners.iter().any(|corner| corner.is_far()) {
             continue;
         }
-        let side = passing.longest_squared().max(faces.longest * faces.longest);
-        let turn = |i: usize, j: usize| corners[i].nearest.normal.distance_squared(corners[j].nearest.normal);
-        if travel < fast && !bulges(turn(0, 1).max(turn(1, 2)).max(turn(2, 0)), side) {
+        let longest = most_of(&|i| corners[i].end.distance_squared(corners[(i + 1) % 3].end));
+        let side = longest.max(faces.longest * faces.longest);
+        let turn = |i: usize| corners[i].nearest.normal.distance_squared(corners[(i + 1) % 3].nearest.normal);
+        if travel < fast && !bulges(most_of(&turn), side) {
             continue;
         }
         if triangle.iter().all(|&vertex| moving.held[vertex as usize]) {
             continue;
         }
+        let start = triangle.map(|vertex| body.local_start(moving.x[vertex as usize]));
+        let passing = Passing { start, end: corners.map(|corner| corner.end) };
         let [low, high] = passing.bounds(limits.reach);
         features.near(low, high, |index, feature| {
             let turn = feature.angle.min(side.sqrt() / feature.radius.max(f64::MIN_POSITIVE));

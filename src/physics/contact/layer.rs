@@ -6,7 +6,7 @@ use parry3d::shape::SharedShape;
 use super::collider::{Collider, Contact, ContactSettings};
 use super::detect::Nearby;
 use super::features::Features;
-use super::find::{Faces, Near};
+use super::find::{Faces, Found, Near};
 use super::meeting::Body;
 use super::memory::{Memories, Memory};
 use super::touch::{Case, Touch};
@@ -44,9 +44,12 @@ pub(crate) struct ContactLayer {
     /// Of the shapes that were near in the last substep: the shape tells them apart.
     pub(super) features: Vec<(SharedShape, Features)>,
     /// All vertices, in the frame of the collider that is looked at, where they are not far from it.
-    pub(super) near: Vec<Option<Near>>,
-    /// By vertex: how far it may end from where it was looked for without being inside anything, m.
+    pub(super) near: Vec<Near>,
+    /// By vertex: how far it may end from its free way without being inside anything, squared, m²; infinite where it is held.
     pub(super) room: Vec<f64>,
+    /// Vertices that ended further.
+    pub(super) astray: Vec<u32>,
+    pub(super) found: Vec<Found>,
     terms: Vec<ContactTerm>,
     /// Stiffness of the fabric, N/m.
     pub(super) fabric: f64,

@@ -110,6 +110,9 @@ impl<'a> Body<'a> {
     /// The nearest point of the surface, all in the frame of the collider. Where nothing is within a distance, little is looked at,
     /// and only the distance says something: there is so much room at least.
     pub fn nearest(&self, point: DVec3, within: f64) -> Nearest {
+        if self.surface.is_closed_form() {
+            return self.surface.nearest(point, within);
+        }
         let (low, high) = self.own_box;
         let to_box = (low - point).max(point - high).max(DVec3::ZERO).length();
         if to_box > within {
@@ -120,7 +123,12 @@ impl<'a> Body<'a> {
 
     /// Points of the world at the start and at the end, in the frame of the collider.
     pub fn local(&self, start: DVec3, end: DVec3) -> [DVec3; 2] {
-        [self.start.local(start), self.end.local(end)]
+        [self.local_start(start), self.end.local(end)]
+    }
+
+    /// A point of the world at the start, in the frame of the collider.
+    pub fn local_start(&self, start: DVec3) -> DVec3 {
+        self.start.local(start)
     }
 
     /// The meeting with a point that goes `from` somewhere `to` about there, in the frame of the collider, to which the surface is

@@ -55,6 +55,11 @@ impl<'a> Surface<'a> {
         }
     }
 
+    /// Whether distances cost no more than those to a box.
+    pub fn is_closed_form(&self) -> bool {
+        !matches!(self, Self::Solid(_) | Self::Shell(_) | Self::Ground(_))
+    }
+
     /// Radius of a surface that is round all over, m.
     pub fn roundness(&self) -> Option<f64> {
         match *self {
