@@ -69,7 +69,7 @@ pub(super) enum Guess {
     Inertia,
     /// At the point of linearisation, where an earlier solve of this step has led.
     Point,
-    /// There too, after contact was judged: what it changes is solved for no better than the rest of the step was.
+    /// There too, after contact was judged: what it changes is solved for no better than the rest of the step was, but in an impact.
     Judged,
     /// There too, and nothing is added to what conjugate gradients find: wherever they stop, the moves lower what they minimise.
     Downhill,
@@ -211,7 +211,7 @@ impl<T: Scalar> Implicit<T> {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
         }
-        if guess == Guess::Judged {
+        if guess == Guess::Judged && step.around.is_whole() {
             target.absolute = target.absolute.max(self.enough);
         }
         let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;

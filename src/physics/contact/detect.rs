@@ -6,15 +6,15 @@ use bevy::math::DVec3;
 use parry3d::shape::SharedShape;
 
 use super::features::Features;
-use super::find::{self, Found};
+use super::find::{self, Found, Scene};
 use super::layer::{ContactLayer, Moving, Surroundings};
-use super::meeting::Body;
+use super::meeting::{Body, Meeting};
 use super::touch::{SURFACE, Touch};
 
 /// Share of the thickness that what was rescued is away from the surface.
 const MARGIN: f64 = 0.05;
 /// Times that a vertex is moved out of a collider in a substep.
-const RESCUES: usize = 3;
+const RESCUES: u32 = 4;
 /// Cosine of the angle between two planes that a vertex meets a collider at, above which they are the same side of it.
 const SAME_SIDE: f64 = 0.9;
 
@@ -40,9 +40,10 @@ impl ContactLayer {
         let fastest = self.look_around(around, moving);
         self.nearby.fresh = true;
         let Nearby { colliders, free, .. } = &self.nearby;
+        let scene = Scene { around, moving, faces: &self.faces };
         let bodies = colliders.iter().map(|&i| Body::new(&around.colliders[i as usize], around.from, around.to));
         let fast = bodies.filter(|body| fastest + body.travel() > least);
-        fast.map(|body| find::coming(&body, &self.faces, around, moving, free, least)).fold(0.0, f64::max)
+        fast.map(|body| find::coming(&body, scene, free, least)).fold(0.0, f64::max)
     }
 
     /// Notes which colliders are near, and says how long the longest free way is, m.
@@ -74,7 +75,7 @@ impl ContactLayer {
         self.touches.clear();
         self.room.clear();
         self.room.resize(moving.x.len(), f64::INFINITY);
-        if !(self.nearby.fresh && around.from == 0.0 && around.to == 1.0) {
+        if !(self.nearby.fresh && around.is_whole()) {
             self.look_around(around, moving);
         }
         self.nearby.fresh = false;
@@ -96,12 +97,13 @@ impl ContactLayer {
                 self.features.len() - 1
             });
             let Self { faces, near, room, features, nearby: Nearby { free, .. }, .. } = self;
+            let scene = Scene { around, moving, faces };
             let features = &features[known].1;
             let noted = (!features.is_empty()).then_some(&mut *near);
-            find::vertices(&body, around, moving, faces, free, noted, room, |vertex| found.push(vertex));
+            find::vertices(&body, scene, free, noted, room, |vertex| found.push(vertex));
             if !features.is_empty() {
                 let vertices = found.len();
-                find::between(&body, features, faces, around, moving, near, |place| found.push(place));
+                find::between(&body, features, scene, near, |place| found.push(place));
                 find::distinct(&mut found, vertices);
             }
             for found in found.drain(..) {
@@ -116,13 +118,10 @@ impl ContactLayer {
         }
     }
 
-    /// Looks for vertices that may end near what they were not seen to come near, and gives the colliders that matter to them.
-    fn look_astray<'a>(
-        &mut self,
-        around: &Surroundings<'a>,
-        end: impl Fn(usize) -> DVec3,
-    ) -> Vec<(usize, Body<'a>)> {
-        let Self { astray, room, nearby: Nearby { colliders, room: all, free, .. }, .. } = self;
+    /// Looks for vertices that may end near what they were not seen to come near, and says how far any ended from its free way at most,
+    /// squared, m².
+    fn look_astray(&mut self, end: impl Fn(usize) -> DVec3) -> f64 {
+        let Self { astray, room, nearby: Nearby { free, .. }, .. } = self;
         astray.clear();
         let mut furthest = 0.0_f64;
         for (vertex, (&free, &room)) in free.iter().zip(&*room).enumerate() {
@@ -132,11 +131,16 @@ impl ContactLayer {
                 astray.push(vertex as u32);
             }
         }
+        furthest
+    }
+
+    /// The colliders that matter to vertices that ended so far from their free ways.
+    fn bodies<'a>(&self, around: &Surroundings<'a>, furthest: f64) -> Vec<(usize, Body<'a>)> {
         let body = |index: usize| (index, Body::new(&around.colliders[index], around.from, around.to));
-        if furthest >= *all * *all {
+        if furthest >= self.nearby.room * self.nearby.room {
             (0..around.colliders.len()).map(body).collect()
         } else {
-            colliders.iter().map(|&index| body(index as usize)).collect()
+            self.nearby.colliders.iter().map(|&index| body(index as usize)).collect()
         }
     }
 
@@ -144,10 +148,11 @@ impl ContactLayer {
     /// there was anything.
     pub fn find_late(&mut self, around: &Surroundings, moving: &Moving, end: impl Fn(usize) -> DVec3) -> bool {
         let mut any = false;
-        let bodies = self.look_astray(around, &end);
+        let furthest = self.look_astray(&end);
+        let bodies = self.bodies(around, furthest);
         let astray = core::mem::take(&mut self.astray);
         for &(index, ref body) in &bodies {
-            let limits = find::limits(body, &self.faces, around);
+            let limits = find::limits(body, Scene { around, moving, faces: &self.faces });
             for vertex in astray.iter().map(|&vertex| vertex as usize) {
                 let end = end(vertex);
                 let way = body.local(moving.x[vertex], end);
@@ -185,8 +190,8 @@ impl ContactLayer {
             }
         }
         self.astray = astray;
-        // In an impact, triangles come in elsewhere than they were seen to.
-        if around.to - around.from < 1.0 {
+        // Where vertices end nearly as they were seen to, so do triangles.
+        if furthest > around.settings.thickness * around.settings.thickness {
             any |= self.find_between_late(&bodies, around, moving, end);
         }
         any
@@ -202,12 +207,16 @@ impl ContactLayer {
     ) -> bool {
         let (mut any, mut found) = (false, Vec::new());
         for &(index, ref body) in bodies {
-            let shape = &around.colliders[index].shape;
-            let Some((_, features)) = self.features.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0)) else {
+            // What is round all over is met by vertices, but in an impact.
+            if body.is_round() && around.is_whole() {
                 continue;
-            };
-            find::ending(body, around, moving, &self.faces, &mut self.near, &end);
-            find::between(body, features, &self.faces, around, moving, &self.near, |place| found.push(place));
+            }
+            let shape = &around.colliders[index].shape;
+            let known = self.features.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0));
+            let Some((_, features)) = known.filter(|(_, features)| !features.is_empty()) else { continue };
+            let scene = Scene { around, moving, faces: &self.faces };
+            find::ending(body, scene, &mut self.near, &end);
+            find::between(body, features, scene, &self.near, |place| found.push(place));
             find::distinct(&mut found, 0);
             for found in found.drain(..) {
                 let places = found.vertices.iter().zip(found.weights);
@@ -230,36 +239,52 @@ impl ContactLayer {
     }
 
     /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
-    pub fn guard(&mut self, around: &Surroundings, moving: &Moving, end: &mut [DVec3], velocities: &mut [DVec3]) -> u32 {
+    pub fn guard(
+        &mut self,
+        around: &Surroundings,
+        moving: &Moving,
+        end: &mut [DVec3],
+        velocities: &mut [DVec3],
+    ) -> u32 {
         if around.colliders.is_empty() {
             return 0;
         }
         let mut rescued = 0;
-        let bodies = self.look_astray(around, |vertex| end[vertex]);
+        let furthest = self.look_astray(|vertex| end[vertex]);
+        let bodies = self.bodies(around, furthest);
         let margin = MARGIN * around.settings.thickness;
         for vertex in self.astray.iter().map(|&vertex| vertex as usize) {
-            for (_, body) in &bodies {
-                // What is moved out of one part of a collider may be in another.
-                for _ in 0..RESCUES {
-                    let way = body.local(moving.x[vertex], end[vertex]);
-                    let travel = way[0].distance(way[1]);
-                    let nearest = body.nearest(way[1], travel + around.settings.thickness);
-                    if nearest.distance > travel {
-                        break;
-                    }
-                    let Ok(meeting) = body.meet(way, nearest, [0.0, 0.0], moving.dt) else { break };
-                    let depth = meeting.surface - meeting.normal.dot(end[vertex]);
-                    if depth <= 0.0 {
-                        break;
-                    }
-                    rescued += 1;
-                    end[vertex] += (depth + margin) * meeting.normal;
-                    let surface = (meeting.carried - moving.x[vertex]) / moving.dt;
-                    let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);
-                    velocities[vertex] -= inwards * meeting.normal;
+            let x = moving.x[vertex];
+            let inside = |end: DVec3| bodies.iter().find_map(|(_, body)| entered(body, x, end, around, moving.dt));
+            let mut rescues = 0;
+            while let Some(meeting) = inside(end[vertex]) {
+                let surface = (meeting.carried - x) / moving.dt;
+                if rescues == RESCUES {
+                    // In a corner, or between two solids: it is taken along from where it was.
+                    (end[vertex], velocities[vertex]) = (meeting.carried, surface);
+                    break;
                 }
+                // What is moved out of one part of a collider may be in another.
+                rescues += 1;
+                end[vertex] += (meeting.surface - meeting.normal.dot(end[vertex]) + margin) * meeting.normal;
+                let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);
+                velocities[vertex] -= inwards * meeting.normal;
             }
+            rescued += rescues.min(1);
         }
         rescued
     }
+}
+
+/// The meeting of a point that goes from `x` to `end` with a collider that it ends inside of.
+fn entered(body: &Body, x: DVec3, end: DVec3, around: &Surroundings, dt: f64) -> Option<Meeting> {
+    let way = body.local(x, end);
+    let travel = way[0].distance(way[1]);
+    let nearest = body.nearest(way[1], travel + around.settings.thickness);
+    if nearest.distance > travel {
+        // It is outside, and did not come far enough to have been anywhere else.
+        return None;
+    }
+    let meeting = body.meet(way, nearest, [0.0, 0.0], dt).ok()?;
+    (meeting.surface > meeting.normal.dot(end)).then_some(meeting)
 }

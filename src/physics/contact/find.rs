@@ -38,6 +38,14 @@ pub(super) struct Faces {
     pub longest: f64,
 }
 
+/// A cloth on its way among colliders.
+#[derive(Clone, Copy)]
+pub(super) struct Scene<'a> {
+    pub around: &'a Surroundings<'a>,
+    pub moving: &'a Moving<'a>,
+    pub faces: &'a Faces,
+}
+
 /// A vertex near a collider, in the frame of that. It fills a cache line: triangles come by many times.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -71,14 +79,14 @@ pub(super) fn reach(around: &Surroundings) -> f64 {
 }
 
 /// How much further off a round collider vertices keep, m.
-fn lift(body: &Body, faces: &Faces, around: &Surroundings) -> f64 {
-    let thickness = around.settings.thickness;
-    body.bulge(STRETCHED * faces.longest, BULGE * thickness).min(LIFT * thickness)
+fn lift(body: &Body, scene: Scene) -> f64 {
+    let thickness = scene.around.settings.thickness;
+    body.bulge(STRETCHED * scene.faces.longest, BULGE * thickness).min(LIFT * thickness)
 }
 
 /// How far off a collider vertices keep, and how near they are watched, m.
-pub(super) fn limits(body: &Body, faces: &Faces, around: &Surroundings) -> [f64; 2] {
-    let (thickness, lift) = (around.settings.thickness, lift(body, faces, around));
+pub(super) fn limits(body: &Body, scene: Scene) -> [f64; 2] {
+    let (thickness, lift) = (scene.around.settings.thickness, lift(body, scene));
     [thickness + lift, REACH * thickness + lift]
 }
 
@@ -86,16 +94,14 @@ pub(super) fn limits(body: &Body, faces: &Faces, around: &Surroundings) -> [f64;
 /// room those have that are not near.
 pub(super) fn vertices(
     body: &Body,
-    around: &Surroundings,
-    moving: &Moving,
-    faces: &Faces,
+    scene: Scene,
     free: &[DVec3],
     mut near: Option<&mut Vec<Near>>,
     room: &mut [f64],
     mut then: impl FnMut(Found),
 ) {
-    let limits = limits(body, faces, around);
-    let aside = if near.is_some() { aside(body, faces, around) } else { limits[1] };
+    let (limits, moving) = (limits(body, scene), scene.moving);
+    let aside = if near.is_some() { aside(body, scene) } else { limits[1] };
     if let Some(near) = &mut near {
         near.clear();
     }
@@ -125,24 +131,16 @@ pub(super) fn vertices(
 }
 
 /// Takes down where vertices are near the surface that end as these do, instead of where they would go.
-pub(super) fn ending(
-    body: &Body,
-    around: &Surroundings,
-    moving: &Moving,
-    faces: &Faces,
-    near: &mut Vec<Near>,
-    end: impl Fn(usize) -> DVec3,
-) {
-    let aside = aside(body, faces, around);
+pub(super) fn ending(body: &Body, scene: Scene, near: &mut Vec<Near>, end: impl Fn(usize) -> DVec3) {
+    let (aside, x) = (aside(body, scene), scene.moving.x);
+    let looked = |vertex: usize| look(body, x[vertex], end(vertex), aside).map_or(Near::FAR, |(_, found)| found);
     near.clear();
-    near.extend((0..moving.x.len()).map(|vertex| {
-        look(body, moving.x[vertex], end(vertex), aside).map_or(Near::FAR, |(_, found)| found)
-    }));
+    near.extend((0..x.len()).map(looked));
 }
 
 /// How far off a collider a vertex is near: as far as a triangle of it can reach, stretched to twice its sides, m.
-fn aside(body: &Body, faces: &Faces, around: &Surroundings) -> f64 {
-    limits(body, faces, around)[1] + 2.0 * faces.longest
+fn aside(body: &Body, scene: Scene) -> f64 {
+    limits(body, scene)[1] + 2.0 * scene.faces.longest
 }
 
 /// Where a vertex begins its way and where the surface is nearest to its end, if it may be near; else how far it is at least, m.
@@ -163,15 +161,8 @@ pub(super) fn distinct(found: &mut Vec<Found>, vertices: usize) {
 }
 
 /// How far a vertex that goes further than `least` would come into what is kept free, at most, m.
-pub(super) fn coming(
-    body: &Body,
-    faces: &Faces,
-    around: &Surroundings,
-    moving: &Moving,
-    free: &[DVec3],
-    least: f64,
-) -> f64 {
-    let limits = limits(body, faces, around);
+pub(super) fn coming(body: &Body, scene: Scene, free: &[DVec3], least: f64) -> f64 {
+    let (limits, moving) = (limits(body, scene), scene.moving);
     let mut deepest = 0.0_f64;
     for vertex in (0..moving.x.len()).filter(|&vertex| !moving.held[vertex]) {
         let end = free[vertex];
@@ -187,19 +178,12 @@ pub(super) fn coming(
 }
 
 /// Finds corners and edges between the vertices of triangles, of which it is known where they are.
-pub(super) fn between(
-    body: &Body,
-    features: &Features,
-    faces: &Faces,
-    around: &Surroundings,
-    moving: &Moving,
-    near: &[Near],
-    mut then: impl FnMut(Found),
-) {
+pub(super) fn between(body: &Body, features: &Features, scene: Scene, near: &[Near], mut then: impl FnMut(Found)) {
+    let Scene { around, moving, faces } = scene;
     let thickness = around.settings.thickness;
     let reach = REACH * thickness;
     let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
-    let most = BULGE * thickness + lift(body, faces, around);
+    let most = BULGE * thickness + lift(body, scene);
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord; both squared.
     let bulges = |turn: f64, side: f64| turn * side > (8.0 * most) * (8.0 * most);
     let fast = faces.longest.max(limits.reach);

@@ -23,6 +23,13 @@ pub(crate) struct Surroundings<'a> {
     pub to: f64,
 }
 
+impl Surroundings<'_> {
+    /// Whether the substep is the whole step: in an impact there are several.
+    pub fn is_whole(&self) -> bool {
+        self.from == 0.0 && self.to == 1.0
+    }
+}
+
 /// State of the substep that touches are found for.
 pub(crate) struct Moving<'a> {
     pub x: &'a [DVec3],
@@ -191,7 +198,7 @@ impl ContactLayer {
                 Some((index, body)) if *index == touch.collider => body,
                 other => &mut other.insert((touch.collider, Body::new(collider, around.from, around.to))).1,
             };
-            let normal_force = touch.normal.dot(touch.force);
+            let normal_force = touch.pressing_force();
             Memory {
                 collider: collider.id,
                 feature: touch.feature,
@@ -214,6 +221,11 @@ impl ContactLayer {
 }
 
 impl Touch {
+    /// N of the force; none if that is of another plane, which the touch was found at after the last solve.
+    fn pressing_force(&self) -> f64 {
+        self.normal.dot(self.force).max(0.0)
+    }
+
     /// Its point of the cloth.
     fn at(&self, points: impl Fn(usize) -> DVec3) -> DVec3 {
         if self.weights[0] == 1.0 {
@@ -224,5 +236,21 @@ impl Touch {
 
     pub fn point(&self, points: &[DVec3]) -> DVec3 {
         self.at(|vertex| points[vertex])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::touch::tests::touch;
+    use super::*;
+
+    /// Its friction would be negative in the next step, and without bounds where it does not slip yet.
+    #[test]
+    fn what_was_found_at_another_plane_after_the_last_solve_presses_nothing() {
+        let mut touch = touch();
+        touch.settle(DVec3::new(0.1, 0.0029, 0.0));
+        assert!(touch.pressing_force() > 0.0);
+        touch.normal = -touch.normal;
+        assert_eq!(touch.pressing_force(), 0.0);
     }
 }

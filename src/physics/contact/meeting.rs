@@ -81,6 +81,11 @@ impl<'a> Body<'a> {
         self.surface.roundness().map_or(0.0, |radius| (arc(radius) - thickness).max(0.0))
     }
 
+    /// Whether it has neither corners nor edges.
+    pub fn is_round(&self) -> bool {
+        self.surface.roundness().is_some()
+    }
+
     /// How far a point of the collider goes at most, m; infinite if it turns and has no end.
     pub fn travel(&self) -> f64 {
         let Some((low, high)) = self.bounds else {

@@ -1,9 +1,9 @@
 //! Distances to shapes, in their own frame: closed forms in f64 for the simple ones, parry for the rest.
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use parry3d::bounding_volume::Aabb;
 use parry3d::query::{PointQuery, Ray};
-use parry3d::shape::{HeightField, Shape, SharedShape, TypedShape};
+use parry3d::shape::{Compound, HeightField, Shape, SharedShape, TypedShape};
 
 /// The point of a surface that is nearest to another point.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,8 @@ pub(super) enum Surface<'a> {
     Shell(&'a dyn Shape),
     /// Inside is what is below, as deep as is looked.
     Ground(&'a HeightField),
+    /// Inside is what is inside of any part.
+    Union(&'a Compound),
 }
 
 impl<'a> Surface<'a> {
@@ -50,6 +52,7 @@ impl<'a> Surface<'a> {
             TypedShape::Cuboid(cuboid) => Self::Cuboid { half: cuboid.half_extents.as_dvec3() },
             TypedShape::TriMesh(mesh) if mesh.pseudo_normals().is_none() => Self::Shell(&**shape),
             TypedShape::HeightField(field) => Self::Ground(field),
+            TypedShape::Compound(compound) => Self::Union(compound),
             TypedShape::Triangle(_) | TypedShape::Segment(_) | TypedShape::Polyline(_) => Self::Shell(&**shape),
             _ => Self::Solid(&**shape),
         }
@@ -57,7 +60,7 @@ impl<'a> Surface<'a> {
 
     /// Whether distances cost no more than those to a box.
     pub fn is_closed_form(&self) -> bool {
-        !matches!(self, Self::Solid(_) | Self::Shell(_) | Self::Ground(_))
+        !matches!(self, Self::Solid(_) | Self::Shell(_) | Self::Ground(_) | Self::Union(_))
     }
 
     /// Radius of a surface that is round all over, m.
@@ -73,6 +76,7 @@ impl<'a> Surface<'a> {
     pub fn nearest(&self, p: DVec3, within: f64) -> Nearest {
         match *self {
             Self::Ground(field) => nearest_of_ground(field, p, within),
+            Self::Union(compound) => nearest_of_union(compound, p, within),
             Self::Ball { radius } => around(p, radius),
             Self::Capsule { a, b, radius } => {
                 let axis = b - a;
@@ -129,6 +133,7 @@ impl<'a> Surface<'a> {
             }
             Self::Solid(shape) | Self::Shell(shape) => cast(shape, from, way),
             Self::Ground(field) => cast(field, from, way),
+            Self::Union(compound) => cast(compound, from, way),
         }
     }
 }
@@ -179,6 +184,23 @@ fn nearest_of_ground(field: &HeightField, p: DVec3, within: f64) -> Nearest {
             nearest = Nearest { distance: distance * above.signum(), normal };
         }
     });
+    nearest
+}
+
+/// The least of the distances to its parts, which is negative inside of any. What parry projects on may be a face of one part that is
+/// inside of another.
+fn nearest_of_union(compound: &Compound, p: DVec3, within: f64) -> Nearest {
+    let around = Aabb::from_half_extents(p.as_vec3(), DVec3::splat(within).as_vec3());
+    let mut nearest = Nearest { distance: within, normal: DVec3::Y };
+    for part in compound.bvh().intersect_aabb(&around) {
+        let (pose, shape) = &compound.shapes()[part as usize];
+        let rotation: DQuat = pose.rotation.as_dquat().normalize();
+        let local = rotation.inverse() * (p - pose.translation.as_dvec3());
+        let found = Surface::new(shape).nearest(local, within);
+        if found.distance < nearest.distance {
+            nearest = Nearest { normal: rotation * found.normal, ..found };
+        }
+    }
     nearest
 }
 
@@ -271,6 +293,23 @@ mod tests {
             assert!((nearest.distance - 0.1).abs() < 1e-6 && nearest.normal.z * side > 0.99);
         }
         assert!(surface.first_hit(DVec3::new(0.2, 0.2, 1.0), DVec3::new(0.2, 0.2, -1.0)).is_some());
+    }
+
+    #[test]
+    fn what_is_inside_of_a_part_is_inside_of_the_whole() {
+        use parry3d::math::Pose;
+        let cube = SharedShape::cuboid(0.5, 0.5, 0.5);
+        let at = |x, y| (Pose::from_translation(Vector::new(x, y, 0.0)), cube.clone());
+        // The right one is lower: below its top, their common face is inside.
+        let stairs = SharedShape::compound(vec![at(-0.5, 0.0), at(0.5, -0.2)]);
+        let surface = Surface::new(&stairs);
+        for (x, distance) in [(0.01, -0.01), (-0.01, -0.01), (0.3, -0.1)] {
+            let nearest = surface.nearest(DVec3::new(x, 0.2, 0.0), 9.0);
+            assert!((nearest.distance - distance).abs() < 1e-6, "{x}: {nearest:?}");
+        }
+        let riser = surface.nearest(DVec3::new(0.1, 0.45, 0.0), 0.12);
+        assert!((riser.distance - 0.1).abs() < 1e-6 && riser.normal.distance(DVec3::X) < 1e-6, "{riser:?}");
+        assert_eq!(surface.nearest(DVec3::new(0.0, 2.0, 0.0), 0.3).distance, 0.3);
     }
 
     #[test]

@@ -247,10 +247,10 @@ impl Touch {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn touch() -> Touch {
+    pub fn touch() -> Touch {
         Touch {
             vertices: [0; 3],
             weights: [1.0, 0.0, 0.0],
