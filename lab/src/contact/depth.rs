@@ -23,7 +23,7 @@ pub fn faces(cloth: &Cloth, bodies: &[Body], time: f64) -> f64 {
 }
 
 /// The deepest of so many points along every edge of every triangle, and all of the lattice between, m; or what a corner of a
-/// cuboid looks out of the upper side of a triangle, whose points may all be beside that corner.
+/// cuboid looks out of a triangle, whose points may all be beside that corner.
 pub fn dense(cloth: &Cloth, bodies: &[Body], time: f64, along: u32) -> f64 {
     let shares = lattice(along);
     corners(cloth, bodies, time, along).max(sampled(cloth, bodies, time, &shares))
@@ -61,18 +61,21 @@ fn corners(cloth: &Cloth, bodies: &[Body], time: f64, along: u32) -> f64 {
     for body in bodies {
         let (pose, most) = (body.pose(time), (2.0 * body.solid.core()).min(longest / f64::from(along)));
         for corner in body.solid.corners().into_iter().map(|corner| pose.place(corner)) {
-            let out = triangles(cloth).filter_map(|triangle| out_of(triangle, corner)).filter(|&out| out < most);
+            let out_of = |triangle| out_of(triangle, corner, pose.translation);
+            let out = triangles(cloth).filter_map(out_of).filter(|&out| out < most);
             deepest = out.fold(deepest, f64::max);
         }
     }
     deepest
 }
 
-/// How far a point is above a triangle, m, if it is above or below it at all.
-fn out_of([a, b, c]: [DVec3; 3], point: DVec3) -> Option<f64> {
+/// How far a corner is beyond a triangle, seen from the middle of its solid, m, if it is over or under it at all. Which side of the
+/// cloth it looks out of does not matter: it may be folded.
+fn out_of([a, b, c]: [DVec3; 3], corner: DVec3, middle: DVec3) -> Option<f64> {
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    let inside = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
-    (normal != DVec3::ZERO && inside(a, b) && inside(b, c) && inside(c, a)).then(|| (point - a).dot(normal))
+    let inside = |from: DVec3, to: DVec3| (to - from).cross(corner - from).dot(normal) >= 0.0;
+    let outwards = normal.dot(corner - middle).signum();
+    (normal != DVec3::ZERO && inside(a, b) && inside(b, c) && inside(c, a)).then(|| outwards * (corner - a).dot(normal))
 }
 
 /// Vertices that went straight from `before` to where they are between two times, and on the way were so deep in a body that they
@@ -132,11 +135,17 @@ mod tests {
         let half = DVec3::splat(0.1);
         // A diagonal of the cuboid upright under a triangle, its corner 5 mm above it.
         let turn = DQuat::from_rotation_arc(half.normalize(), DVec3::Y);
-        let at = DVec3::new(0.031, 0.005 - half.length(), -0.047);
-        let cuboid = [Body::fixed(Solid::Cuboid { half }, 0.5, Pose { translation: at, rotation: turn })];
-        let cloth = square(0.0);
-        assert!(faces(&cloth, &cuboid, 0.0) < 0.0);
-        assert!((dense(&cloth, &cuboid, 0.0, 2) - 0.005).abs() < 1e-9);
+        let cuboid = |top: f64| {
+            let at = DVec3::new(0.031, top - half.length(), -0.047);
+            [Body::fixed(Solid::Cuboid { half }, 0.5, Pose { translation: at, rotation: turn })]
+        };
+        let mut turned_over = square(0.0);
+        place(&mut turned_over, |x| DVec3::new(0.1 - x.x, 0.0, x.z - 0.1));
+        for cloth in [square(0.0), turned_over] {
+            assert!(faces(&cloth, &cuboid(0.005), 0.0) < 0.0);
+            assert!((dense(&cloth, &cuboid(0.005), 0.0, 2) - 0.005).abs() < 1e-9);
+            assert!((dense(&cloth, &cuboid(-0.005), 0.0, 2) + 0.005).abs() < 1e-9);
+        }
     }
 
     #[test]
