@@ -39,8 +39,6 @@ pub(super) struct Implicit<T: Scalar> {
     /// See [`ImplicitStep::inertia`]; empty while nothing touches.
     pub inertia: Vec<f64>,
 
-    /// The residual that the last solve was to reach, but those after contact was judged, √kg·m.
-    enough: f64,
     solution: Vec<Padded<T>>,
     /// Of a cloth without pins; else empty.
     residual: Vec<Padded<T>>,
@@ -69,8 +67,6 @@ pub(super) enum Guess {
     Inertia,
     /// At the point of linearisation, where an earlier solve of this step has led.
     Point,
-    /// There too, after contact was judged: what it changes is solved for no better than the rest of the step was, but in an impact.
-    Judged,
     /// There too, and nothing is added to what conjugate gradients find: wherever they stop, the moves lower what they minimise.
     Downhill,
 }
@@ -93,7 +89,6 @@ impl<T: Scalar> Implicit<T> {
             contact: contact_layer(shape, fabric, ordering),
             inertia: Vec::new(),
             system,
-            enough: 0.0,
             solution: small_zeros,
             residual: Vec::new(),
             inertial: zeros.clone(),
@@ -148,7 +143,6 @@ impl<T: Scalar> Implicit<T> {
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
         let start = Instant::now();
-        let known = guess == Guess::Judged || guess == Guess::Point;
         let Self { system, constraints, solver, contact, inertia, solution, residual, .. } = self;
         let Self { inertial, origin, point, moves, .. } = self;
         let (held, touching) = (step.pins.held(), contact.any_active());
@@ -167,7 +161,7 @@ impl<T: Scalar> Implicit<T> {
             inertia: (!inertia.is_empty()).then_some(&inertia[..]),
             contacts: contact.terms(point),
         };
-        implicit.drift = if guess == Guess::Downhill || touching || (any_held && known) {
+        implicit.drift = if guess == Guess::Downhill || touching || (any_held && guess == Guess::Point) {
             DVec3::ZERO
         } else if any_held {
             let parts = system.matrix.pattern().parts();
@@ -197,7 +191,7 @@ impl<T: Scalar> Implicit<T> {
             let free = match guess {
                 Guess::Inertia if inertia.get(vertex).is_some_and(|&factor| factor != 1.0) => DVec3::ZERO,
                 Guess::Inertia => implicit.inertial_move(vertex) + fall - implicit.drift,
-                Guess::Point | Guess::Judged | Guess::Downhill => -implicit.drift,
+                Guess::Point | Guess::Downhill => -implicit.drift,
             };
             if held[vertex] { prescribed(vertex) } else { Padded::from_f64(free.to_array()) }
         };
@@ -211,13 +205,7 @@ impl<T: Scalar> Implicit<T> {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
         }
-        if guess == Guess::Judged && step.around.is_whole() {
-            target.absolute = target.absolute.max(self.enough);
-        }
         let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;
-        if guess != Guess::Judged {
-            self.enough = solved.enough;
-        }
         report.iterations += solved.iterations;
         report.preconditioner += solved.preparation;
         let (d, drift) = (&solution[..], implicit.drift);

@@ -119,7 +119,7 @@ impl<T: Scalar> Implicit<T> {
             report.contact_solves += 1;
             self.slow_down_touching(linear.gamma, step, state);
             self.move_point();
-            self.solve(linear, Guess::Judged, step, state, report)?;
+            self.solve(linear, Guess::Point, step, state, report)?;
         }
         Ok(())
     }

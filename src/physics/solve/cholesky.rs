@@ -102,7 +102,7 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
         for (d, entries) in d.iter_mut().zip(self.solution.chunks_exact(3)) {
             *d = Padded::from_f64([entries[0], entries[1], entries[2]]);
         }
-        Ok(Solved { iterations: 0, converged: true, enough: 0.0, preparation })
+        Ok(Solved { iterations: 0, converged: true, preparation })
     }
 }
 

@@ -109,8 +109,8 @@ impl<T: Scalar> Vectors<'_, T> {
             }
         });
         let mut rz = preconditioner.apply(a, r, z);
-        let enough = target.absolute.max(target.relative * rz.max(0.0).sqrt());
-        let target = enough * enough;
+        let target = target.absolute.max(target.relative * rz.max(0.0).sqrt());
+        let target = target * target;
         p.copy_from_slice(z);
         let mut iterations = 0;
         loop {
@@ -120,7 +120,7 @@ impl<T: Scalar> Vectors<'_, T> {
                 return Err(Breakdown::Preconditioner { iterations });
             }
             if rz <= target || iterations == max_iterations {
-                return Ok(Solved { iterations, converged: rz <= target, enough, ..Default::default() });
+                return Ok(Solved { iterations, converged: rz <= target, ..Default::default() });
             }
             let curvature = a.multiply(p, ap);
             if !curvature.is_finite() {
@@ -130,7 +130,7 @@ impl<T: Scalar> Vectors<'_, T> {
             } else if curvature <= 0.0 {
                 // The direction underflowed, or is one that A is too ill-conditioned for in this precision: what was found so
                 // far is as good as it gets.
-                return Ok(Solved { iterations, enough, ..Default::default() });
+                return Ok(Solved { iterations, ..Default::default() });
             }
             let step = T::from_f64(rz / curvature);
             let (direction, product) = (&**p, &**ap);

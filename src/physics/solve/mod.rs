@@ -29,14 +29,12 @@ use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{Padded, Scalar};
 
 /// How a solve went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Solved {
     /// Iterations taken; 0 for a direct solver.
     pub iterations: u32,
     /// False if the iterations ran out before the tolerance was met.
     pub converged: bool,
-    /// The residual that was enough, in the norm of [`Target`], √kg·m; 0 for a direct solver.
-    pub enough: f64,
     /// Time spent on preparing: adapting the preconditioner, or factorising.
     pub preparation: Duration,
 }
