@@ -104,7 +104,10 @@ impl ContactLayer {
             if !features.is_empty() {
                 let vertices = found.len();
                 find::between(&body, features, scene, near, |place| found.push(place));
-                find::distinct(&mut found, vertices);
+                // Vertices are last among what is put onto planes: theirs hold exactly then.
+                if found.len() > vertices {
+                    find::distinct(&mut found);
+                }
             }
             for found in found.drain(..) {
                 self.begin(found, index, &body, around, moving);
@@ -217,7 +220,7 @@ impl ContactLayer {
             let scene = Scene { around, moving, faces: &self.faces };
             find::ending(body, scene, &mut self.near, &end);
             find::between(body, features, scene, &self.near, |place| found.push(place));
-            find::distinct(&mut found, 0);
+            find::distinct(&mut found);
             for found in found.drain(..) {
                 let places = found.vertices.iter().zip(found.weights);
                 let x: DVec3 = places.map(|(&vertex, weight)| weight * end(vertex as usize)).sum();

@@ -154,9 +154,9 @@ fn look(body: &Body, x: DVec3, y: DVec3, aside: f64) -> Result<(DVec3, Near), f6
     Ok((start, Near { end, nearest: body.nearest(end, aside + 2.0 * travel), travel }))
 }
 
-/// Leaves one of each after the first so many: an edge of the cloth is a side of two triangles.
-pub(super) fn distinct(found: &mut Vec<Found>, vertices: usize) {
-    found[vertices..].sort_by_key(|found| (found.feature, found.vertices));
+/// Sorts places between vertices before vertices, and leaves one of each: an edge of the cloth is a side of two triangles.
+pub(super) fn distinct(found: &mut Vec<Found>) {
+    found.sort_by_key(|found| (found.feature, found.vertices));
     found.dedup_by_key(|found| (found.feature, found.vertices));
 }
 
