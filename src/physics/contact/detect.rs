@@ -24,7 +24,7 @@ pub(super) struct Nearby {
     colliders: Vec<u32>,
     /// How far a vertex may end from its free way without coming near any other, m.
     room: f64,
-    /// By vertex: where its free way ends, m.
+    /// By vertex: where its free way ends in the substep that was looked around in, m.
     free: Vec<DVec3>,
     /// Whether this holds for a whole step that nothing was done in yet.
     fresh: bool,

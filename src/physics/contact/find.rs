@@ -189,17 +189,18 @@ pub(super) fn between(body: &Body, features: &Features, scene: Scene, near: &[Ne
     let fast = faces.longest.max(limits.reach);
     for triangle in &faces.triangles {
         let corners = triangle.map(|vertex| &near[vertex as usize]);
-        let most_of = |value: &dyn Fn(usize) -> f64| value(0).max(value(1)).max(value(2));
-        let travel = most_of(&|i| corners[i].travel);
+        let most_of = |[a, b, c]: [f64; 3]| a.max(b).max(c);
+        let travel = most_of(corners.map(|corner| corner.travel));
         // A triangle that meets something somewhere has no vertex further from it than its sides are long.
-        let closest = -most_of(&|i| -corners[i].nearest.distance);
+        let closest = corners.iter().map(|corner| corner.nearest.distance).fold(f64::INFINITY, f64::min);
         if closest > limits.reach + faces.longest + travel || corners.iter().any(|corner| corner.is_far()) {
             continue;
         }
-        let longest = most_of(&|i| corners[i].end.distance_squared(corners[(i + 1) % 3].end));
+        let sides = [0, 1, 2].map(|i| [corners[i], corners[(i + 1) % 3]]);
+        let longest = most_of(sides.map(|[a, b]| a.end.distance_squared(b.end)));
         let side = longest.max(faces.longest * faces.longest);
-        let turn = |i: usize| corners[i].nearest.normal.distance_squared(corners[(i + 1) % 3].nearest.normal);
-        if travel < fast && !bulges(most_of(&turn), side) {
+        let turn = most_of(sides.map(|[a, b]| a.nearest.normal.distance_squared(b.nearest.normal)));
+        if travel < fast && !bulges(turn, side) {
             continue;
         }
         if triangle.iter().all(|&vertex| moving.held[vertex as usize]) {

@@ -60,7 +60,7 @@ impl<'a> Surface<'a> {
 
     /// Whether distances cost no more than those to a box.
     pub fn is_closed_form(&self) -> bool {
-        !matches!(self, Self::Solid(_) | Self::Shell(_) | Self::Ground(_) | Self::Union(_))
+        matches!(self, Self::Ball { .. } | Self::Capsule { .. } | Self::HalfSpace { .. } | Self::Cuboid { .. })
     }
 
     /// Radius of a surface that is round all over, m.
