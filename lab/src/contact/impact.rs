@@ -67,9 +67,10 @@ pub fn ball(held: Held) -> Vec<Row> {
     let centre = |time: f64| DVec3::Z * (SPEED * time - 0.5).min(0.3);
     let body = Body::moving(Solid::Ball { radius: RADIUS }, 0.5, move |time| Pose::at(centre(time)));
     let mut trial = Trial::new(upright(SIDE, |x| held.holds(x)), vec![body], DT);
+    let before = trial.cloth.positions().to_vec();
     let (mut behind, mut reach) = (0, 0.0_f64);
     trial.run_with(LOOK, |trial| {
-        behind = behind.max(behind_ball(&trial.cloth, centre(trial.time)));
+        behind = behind.max(behind_ball(&trial.cloth, &before, centre(trial.time)));
         reach = trial.cloth.positions().iter().map(|x| x.z).fold(reach, f64::max);
     });
     trial.run(1.0 - LOOK);
@@ -110,11 +111,11 @@ pub fn thrown(friction: f64) -> Vec<Row> {
     rows
 }
 
-/// Vertices in the way that a ball came by.
-fn behind_ball(cloth: &Cloth, centre: DVec3) -> usize {
-    let in_way = |x: &&DVec3| x.x.hypot(x.y) < RADIUS && x.z < centre.z;
-    // Before it arrives, all of the sheet is before it.
-    cloth.positions().iter().filter(in_way).count()
+/// Vertices that were in the way of the ball, and are in the way that it came by. (Free hems may have closed behind it.)
+fn behind_ball(cloth: &Cloth, before: &[DVec3], centre: DVec3) -> usize {
+    let in_way = |x: &DVec3| x.x.hypot(x.y) < RADIUS;
+    let now = cloth.positions().iter().zip(before).filter(|(x, before)| in_way(before) && in_way(x));
+    now.filter(|(x, _)| x.z < centre.z).count()
 }
 
 /// How a sheet flies.
@@ -159,8 +160,9 @@ mod tests {
     #[test]
     fn a_sheet_that_a_ball_left_behind_is_seen() {
         let cloth = upright(SIDE, |x| Held::Border.holds(x));
-        assert!(behind_ball(&cloth, DVec3::Z * 0.3) > 10);
-        assert_eq!(behind_ball(&cloth, DVec3::Z * -0.5), 0);
+        let before = cloth.positions();
+        assert!(behind_ball(&cloth, before, DVec3::Z * 0.3) > 10);
+        assert_eq!(behind_ball(&cloth, before, DVec3::Z * -0.5), 0);
         assert_eq!(cloth.pinned().count(), 4 * 23);
         assert_eq!(upright(SIDE, |x| Held::Corners.holds(x)).pinned().count(), 2);
     }

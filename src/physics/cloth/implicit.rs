@@ -5,7 +5,7 @@ use bevy::platform::time::Instant;
 
 use super::engine::{Engine, Step};
 use super::scheme::{Linear, Scheme};
-use super::touching::contact_layer;
+use super::touching::{Impact, contact_layer};
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, System};
@@ -36,6 +36,7 @@ pub(super) struct Implicit<T: Scalar> {
     pub surplus: f64,
 
     pub contact: ContactLayer,
+    pub impact: Impact,
     /// See [`ImplicitStep::inertia`]; empty while nothing touches.
     pub inertia: Vec<f64>,
 
@@ -87,6 +88,7 @@ impl<T: Scalar> Implicit<T> {
             surplus: 0.0,
             constraints: Constraints::default(),
             contact: contact_layer(shape, fabric, ordering),
+            impact: Impact::NONE,
             inertia: Vec::new(),
             system,
             solution: small_zeros,
@@ -111,6 +113,9 @@ impl<T: Scalar> Implicit<T> {
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
         self.solve(linear, Guess::Inertia, step, state, report)?;
+        if !self.contact.is_empty() {
+            return self.follow_contact(linear, newton_steps, step, state, report);
+        }
         for _ in 1..newton_steps {
             self.move_point();
             let before = report.iterations;
@@ -119,7 +124,7 @@ impl<T: Scalar> Implicit<T> {
                 break;
             }
         }
-        self.follow_contact(linear, step, state, report)
+        Ok(())
     }
 
     /// Moves the point of linearisation to where the last solve led.
@@ -300,6 +305,7 @@ impl<T: Scalar> Engine for Implicit<T> {
 
     fn restart(&mut self) {
         self.contact.forget();
+        self.impact = Impact::NONE;
         self.history.dt = None;
         self.surplus = 0.0;
         self.energy_now = None;

@@ -23,11 +23,37 @@ const CONTACT_STEPS: u32 = 2;
 const MOSTLY_WRONG: f64 = 0.5;
 const MOST_CONTACT_STEPS: u32 = 8;
 
-/// How far a surface may come into the free way of a vertex in a substep, in sides of triangles: what is pushed on further while
-/// those beside it are not is torn about.
+/// How much further a collider may push a vertex in a substep than one beside it, in sides of triangles: what is pushed on alone is
+/// torn about.
 const LEAP: f64 = 0.5;
 /// Substeps, at most, that an impact is taken in.
-const MOST_PIECES: f64 = 16.0;
+const MOST_PIECES: u32 = 16;
+/// After so many substeps there are half as many at least: what was hit is still fast.
+const MANY_PIECES: u32 = 8;
+/// Where so many vertices had to be rescued in a step, there are twice as many substeps in the next: they were too long.
+const MANY_RESCUES: u32 = 5;
+
+/// How the last step went.
+#[derive(Clone, Copy)]
+pub(super) struct Impact {
+    /// Substeps that it was taken in.
+    pieces: u32,
+    /// Vertices that were rescued in it.
+    rescues: u32,
+}
+
+impl Impact {
+    pub const NONE: Self = Self { pieces: 1, rescues: 0 };
+
+    /// Substeps of the next step at least.
+    fn pieces_after(self) -> u32 {
+        match self {
+            Self { rescues: MANY_RESCUES.., pieces } => 2 * pieces,
+            Self { pieces: pieces @ MANY_PIECES.., .. } => pieces / 2,
+            _ => 1,
+        }
+    }
+}
 
 fn moving<'a>(step: &Step<'a>, state: &'a State) -> Moving<'a> {
     Moving {
@@ -61,11 +87,14 @@ impl<T: Scalar> Implicit<T> {
         !self.contact.is_empty()
     }
 
-    /// Substeps in which nothing comes into the cloth too far at once.
+    /// Substeps in which nothing is pushed too far at once.
     pub fn impact_pieces(&mut self, step: Step, state: &State) -> u32 {
         let leap = LEAP * self.contact.longest_side();
-        let deepest = self.contact.coming(&step.around, &moving(&step, state), leap);
-        (deepest / leap).ceil().clamp(1.0, MOST_PIECES) as u32
+        let shear = self.contact.shear(&step.around, &moving(&step, state), leap);
+        let pieces = (shear / leap).ceil() as u32;
+        let pieces = pieces.max(self.impact.pieces_after()).clamp(1, MOST_PIECES);
+        self.impact = Impact { pieces, rescues: 0 };
+        pieces
     }
 
     /// Lets what touches take a step of backward Euler.
@@ -95,17 +124,16 @@ impl<T: Scalar> Implicit<T> {
             && contact.find_late(&step.around, &moving(&step, state), |vertex| point[vertex] + moves[vertex])
     }
 
-    /// Judges contact by the last solve, and solves again where it was wrong.
+    /// Judges contact by the last solve, and solves again where it was wrong, or where there are to be more Newton steps.
     pub fn follow_contact(
         &mut self,
         linear: Linear,
+        newton_steps: u32,
         step: Step,
         state: &State,
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
-        if self.contact.is_empty() {
-            return Ok(());
-        }
+        let mut linearised = 1;
         for solves in 0.. {
             let Self { contact, point, moves, .. } = self;
             let end = |vertex: usize| point[vertex] + moves[vertex];
@@ -113,20 +141,26 @@ impl<T: Scalar> Implicit<T> {
             let most = if wrong > MOSTLY_WRONG { MOST_CONTACT_STEPS } else { CONTACT_STEPS };
             let mut again = wrong > WRONG;
             again |= contact.find_late(&step.around, &moving(&step, state), end);
-            if !again || solves >= most {
+            again &= solves < most;
+            if !again && linearised >= newton_steps {
                 break;
             }
-            report.contact_solves += 1;
+            report.contact_solves += u32::from(again);
             self.slow_down_touching(linear.gamma, step, state);
             self.move_point();
+            let before = report.iterations;
             self.solve(linear, Guess::Point, step, state, report)?;
+            let solved = self.settings.kind.is_iterative() && report.iterations == before;
+            linearised = if solved { newton_steps } else { linearised + 1 };
         }
         Ok(())
     }
 
-    /// Moves out what of the candidate ended inside a collider all the same; says how many vertices that were.
+    /// Moves out what of the candidate ended inside a collider; says how many vertices that were.
     pub fn guard(&mut self, step: Step, state: &State) -> u32 {
         let Self { contact, candidate: State { positions, velocities }, .. } = self;
-        contact.guard(&step.around, &moving(&step, state), positions, velocities)
+        let rescues = contact.guard(&step.around, &moving(&step, state), positions, velocities);
+        self.impact.rescues += rescues;
+        rescues
     }
 }

@@ -5,69 +5,81 @@ use std::sync::Arc;
 use bevy::math::DVec3;
 use parry3d::shape::SharedShape;
 
-use super::features::Features;
+use super::features::{Features, of_shape};
 use super::find::{self, Found, Scene};
 use super::layer::{ContactLayer, Moving, Surroundings};
-use super::meeting::{Body, Meeting};
+use super::meeting::Body;
 use super::touch::{SURFACE, Touch};
 
-/// Share of the thickness that what was rescued is away from the surface.
-const MARGIN: f64 = 0.05;
-/// Times that a vertex is moved out of a collider in a substep.
-const RESCUES: u32 = 4;
 /// Cosine of the angle between two planes that a vertex meets a collider at, above which they are the same side of it.
 const SAME_SIDE: f64 = 0.9;
 
 /// Which colliders the free ways of the vertices come near to.
 #[derive(Default)]
 pub(super) struct Nearby {
-    colliders: Vec<u32>,
+    pub colliders: Vec<u32>,
     /// How far a vertex may end from its free way without coming near any other, m.
     room: f64,
     /// By vertex: where its free way ends in the substep that was looked around in, m.
     free: Vec<DVec3>,
+    /// By vertex: how far colliders would push it out of where its free way ends, m; empty if none is fast.
+    pushes: Vec<DVec3>,
+    /// Length of the longest free way, m.
+    fastest: f64,
     /// Whether this holds for a whole step that nothing was done in yet.
     fresh: bool,
 }
 
 impl ContactLayer {
-    /// How far a vertex would come into what contact keeps free if nothing stopped it in a whole step, at most, m; 0 if that is less
-    /// than `least`.
-    pub fn coming(&mut self, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
+    /// How much further than a vertex beside it colliders would push a vertex in a whole step, at most, m; 0 if nothing is pushed
+    /// further than `least`. What is pushed on alone is torn about.
+    pub fn shear(&mut self, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
         if around.colliders.is_empty() {
             return 0.0;
         }
-        let fastest = self.look_around(around, moving);
+        self.look_around(around, moving);
         self.nearby.fresh = true;
-        let Nearby { colliders, free, .. } = &self.nearby;
-        let scene = Scene { around, moving, faces: &self.faces };
-        let bodies = colliders.iter().map(|&i| Body::new(&around.colliders[i as usize], around.from, around.to));
-        let fast = bodies.filter(|body| fastest + body.travel() > least);
-        fast.map(|body| find::coming(&body, scene, free, least)).fold(0.0, f64::max)
+        let Self { faces, nearby: Nearby { colliders, free, fastest, pushes, .. }, .. } = self;
+        let scene = Scene { around, moving, faces };
+        pushes.clear();
+        for &index in &*colliders {
+            let body = Body::new(&around.colliders[index as usize], around.from, around.to);
+            if *fastest + body.travel() > least {
+                pushes.resize(moving.x.len(), DVec3::ZERO);
+                find::pushes(&body, scene, free, least, pushes);
+            }
+        }
+        if pushes.iter().all(|push| push.length_squared() <= least * least) {
+            return 0.0;
+        }
+        let sides = faces.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let ends = sides.map(|side| side.map(|vertex| pushes[vertex as usize]));
+        ends.map(|[a, b]| a.distance_squared(b)).fold(0.0, f64::max).sqrt()
     }
 
-    /// Notes which colliders are near, and says how long the longest free way is, m.
-    fn look_around(&mut self, around: &Surroundings, moving: &Moving) -> f64 {
-        let Nearby { colliders, room, free, .. } = &mut self.nearby;
+    /// Notes which colliders are near.
+    fn look_around(&mut self, around: &Surroundings, moving: &Moving) {
+        let Nearby { colliders, room, free, fastest, .. } = &mut self.nearby;
         free.clear();
         free.extend((0..moving.x.len()).map(|vertex| find::free(moving, vertex)));
-        let (mut low, mut high, mut fastest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
+        let (mut low, mut high, mut furthest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         for (&x, &y) in moving.x.iter().zip(&*free) {
             (low, high) = (low.min(x).min(y), high.max(x).max(y));
-            fastest = fastest.max(x.distance_squared(y));
+            furthest = furthest.max(x.distance_squared(y));
         }
+        *fastest = furthest.sqrt();
         let reach = find::reach(around);
         colliders.clear();
         *room = f64::INFINITY;
         for (index, collider) in (0..).zip(around.colliders) {
-            let apart = Body::new(collider, around.from, around.to).distance_to_box(low, high);
+            let body = Body::new(collider, around.from, around.to);
+            let apart = body.distance_to_box(low, high);
             if apart > reach {
                 *room = room.min(apart - reach);
             } else {
                 colliders.push(index);
             }
         }
-        fastest.sqrt()
     }
 
     /// Finds the touches of a substep.
@@ -96,14 +108,14 @@ impl ContactLayer {
                 self.features.push(of_shape);
                 self.features.len() - 1
             });
-            let Self { faces, near, room, features, nearby: Nearby { free, .. }, .. } = self;
+            let Self { faces, near, room, features, nearby: Nearby { free, fastest, .. }, .. } = self;
             let scene = Scene { around, moving, faces };
             let features = &features[known].1;
-            let noted = (!features.is_empty()).then_some(&mut *near);
-            find::vertices(&body, scene, free, noted, room, |vertex| found.push(vertex));
-            if !features.is_empty() {
+            let looked = !features.is_empty() && find::may_be_between(&body, scene, *fastest + body.travel());
+            find::vertices(&body, scene, free, looked.then_some(&mut *near), room, |vertex| found.push(vertex));
+            if looked {
                 let vertices = found.len();
-                find::between(&body, features, scene, near, |place| found.push(place));
+                find::between(&body, features, scene, near, find::bulge(&body, scene), |place| found.push(place));
                 // Vertices are last among what is put onto planes: theirs hold exactly then.
                 if found.len() > vertices {
                     find::distinct(&mut found);
@@ -123,7 +135,7 @@ impl ContactLayer {
 
     /// Looks for vertices that may end near what they were not seen to come near, and says how far any ended from its free way at most,
     /// squared, m².
-    fn look_astray(&mut self, end: impl Fn(usize) -> DVec3) -> f64 {
+    pub(super) fn look_astray(&mut self, end: impl Fn(usize) -> DVec3) -> f64 {
         let Self { astray, room, nearby: Nearby { free, .. }, .. } = self;
         astray.clear();
         let mut furthest = 0.0_f64;
@@ -138,7 +150,7 @@ impl ContactLayer {
     }
 
     /// The colliders that matter to vertices that ended so far from their free ways.
-    fn bodies<'a>(&self, around: &Surroundings<'a>, furthest: f64) -> Vec<(usize, Body<'a>)> {
+    pub(super) fn bodies<'a>(&self, around: &Surroundings<'a>, furthest: f64) -> Vec<(usize, Body<'a>)> {
         let body = |index: usize| (index, Body::new(&around.colliders[index], around.from, around.to));
         if furthest >= self.nearby.room * self.nearby.room {
             (0..around.colliders.len()).map(body).collect()
@@ -195,7 +207,7 @@ impl ContactLayer {
         self.astray = astray;
         // Where vertices end nearly as they were seen to, so do triangles.
         if furthest > around.settings.thickness * around.settings.thickness {
-            any |= self.find_between_late(&bodies, around, moving, end);
+            any |= self.find_between_late(&bodies, around, moving, furthest.sqrt(), end);
         }
         any
     }
@@ -206,6 +218,7 @@ impl ContactLayer {
         bodies: &[(usize, Body)],
         around: &Surroundings,
         moving: &Moving,
+        furthest: f64,
         end: impl Fn(usize) -> DVec3,
     ) -> bool {
         let (mut any, mut found) = (false, Vec::new());
@@ -214,12 +227,13 @@ impl ContactLayer {
             if body.is_round() && around.is_whole() {
                 continue;
             }
-            let shape = &around.colliders[index].shape;
-            let known = self.features.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0));
-            let Some((_, features)) = known.filter(|(_, features)| !features.is_empty()) else { continue };
+            let Some(features) = of_shape(&self.features, &around.colliders[index].shape) else { continue };
             let scene = Scene { around, moving, faces: &self.faces };
+            if !find::may_be_between(body, scene, self.nearby.fastest + furthest + body.travel()) {
+                continue;
+            }
             find::ending(body, scene, &mut self.near, &end);
-            find::between(body, features, scene, &self.near, |place| found.push(place));
+            find::between(body, features, scene, &self.near, find::bulge(body, scene), |place| found.push(place));
             find::distinct(&mut found);
             for found in found.drain(..) {
                 let places = found.vertices.iter().zip(found.weights);
@@ -240,54 +254,4 @@ impl ContactLayer {
         }
         any
     }
-
-    /// Moves out what ended inside a collider all the same, and stops it there. Says how many vertices that were.
-    pub fn guard(
-        &mut self,
-        around: &Surroundings,
-        moving: &Moving,
-        end: &mut [DVec3],
-        velocities: &mut [DVec3],
-    ) -> u32 {
-        if around.colliders.is_empty() {
-            return 0;
-        }
-        let mut rescued = 0;
-        let furthest = self.look_astray(|vertex| end[vertex]);
-        let bodies = self.bodies(around, furthest);
-        let margin = MARGIN * around.settings.thickness;
-        for vertex in self.astray.iter().map(|&vertex| vertex as usize) {
-            let x = moving.x[vertex];
-            let inside = |end: DVec3| bodies.iter().find_map(|(_, body)| entered(body, x, end, around, moving.dt));
-            let mut rescues = 0;
-            while let Some(meeting) = inside(end[vertex]) {
-                let surface = (meeting.carried - x) / moving.dt;
-                if rescues == RESCUES {
-                    // In a corner, or between two solids: it is taken along from where it was.
-                    (end[vertex], velocities[vertex]) = (meeting.carried, surface);
-                    break;
-                }
-                // What is moved out of one part of a collider may be in another.
-                rescues += 1;
-                end[vertex] += (meeting.surface - meeting.normal.dot(end[vertex]) + margin) * meeting.normal;
-                let inwards = meeting.normal.dot(velocities[vertex] - surface).min(0.0);
-                velocities[vertex] -= inwards * meeting.normal;
-            }
-            rescued += rescues.min(1);
-        }
-        rescued
-    }
-}
-
-/// The meeting of a point that goes from `x` to `end` with a collider that it ends inside of.
-fn entered(body: &Body, x: DVec3, end: DVec3, around: &Surroundings, dt: f64) -> Option<Meeting> {
-    let way = body.local(x, end);
-    let travel = way[0].distance(way[1]);
-    let nearest = body.nearest(way[1], travel + around.settings.thickness);
-    if nearest.distance > travel {
-        // It is outside, and did not come far enough to have been anywhere else.
-        return None;
-    }
-    let meeting = body.meet(way, nearest, [0.0, 0.0], dt).ok()?;
-    (meeting.surface > meeting.normal.dot(end)).then_some(meeting)
 }

@@ -4,6 +4,7 @@
 //! surface before anything else does.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use bevy::math::DVec3;
 use parry3d::bounding_volume::Aabb;
@@ -92,6 +93,12 @@ impl Features {
     pub fn all(&self) -> &[Feature] {
         &self.all
     }
+}
+
+/// The features of a shape that has any, among those that are known.
+pub(super) fn of_shape<'a>(known: &'a [(SharedShape, Features)], shape: &SharedShape) -> Option<&'a Features> {
+    let this = known.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0));
+    this.map(|(_, features)| features).filter(|features| !features.is_empty())
 }
 
 fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f64) {

@@ -18,6 +18,8 @@ const BULGE: f64 = 1.0;
 const LIFT: f64 = 2.0;
 /// Length of a side that this is made for, over that at rest.
 const STRETCHED: f64 = 1.1;
+/// Length that a side is stretched to at most, over that at rest, where it lies on something round.
+pub(super) const MOST_STRETCHED: f64 = 2.0;
 /// What is so many thicknesses inside came from another side.
 const DEEPEST: f64 = 4.0;
 
@@ -78,16 +80,33 @@ pub(super) fn reach(around: &Surroundings) -> f64 {
     (REACH + LIFT) * around.settings.thickness
 }
 
-/// How much further off a round collider vertices keep, m.
+/// How much further off a round collider vertices keep, so that what is between them keeps off as far as a thickness allows, m.
 fn lift(body: &Body, scene: Scene) -> f64 {
     let thickness = scene.around.settings.thickness;
-    body.bulge(STRETCHED * scene.faces.longest, BULGE * thickness).min(LIFT * thickness)
+    (body.bulge(STRETCHED * scene.faces.longest) - BULGE * thickness).clamp(0.0, LIFT * thickness)
 }
 
 /// How far off a collider vertices keep, and how near they are watched, m.
 pub(super) fn limits(body: &Body, scene: Scene) -> [f64; 2] {
     let (thickness, lift) = (scene.around.settings.thickness, lift(body, scene));
     [thickness + lift, REACH * thickness + lift]
+}
+
+/// How far an arc may be over its chord where both ends keep off as far as vertices do, m.
+pub(super) fn bulge(body: &Body, scene: Scene) -> f64 {
+    BULGE * scene.around.settings.thickness + lift(body, scene)
+}
+
+/// Whether there may be anything between vertices that go so far at most, m: not where a fine cloth lies on something smooth.
+pub(super) fn may_be_between(body: &Body, scene: Scene, travel: f64) -> bool {
+    let Scene { around, faces, .. } = scene;
+    let bulges = body.bulge(MOST_STRETCHED * faces.longest) > bulge(body, scene);
+    !body.is_round() || bulges || travel >= fast(around, faces)
+}
+
+/// What goes further than this may pass through between vertices, m.
+fn fast(around: &Surroundings, faces: &Faces) -> f64 {
+    faces.longest.max(REACH * around.settings.thickness)
 }
 
 /// Finds vertices near the surface. Takes down where it is nearest to each that is not far, if there is a place for that, and how much
@@ -160,10 +179,9 @@ pub(super) fn distinct(found: &mut Vec<Found>) {
     found.dedup_by_key(|found| (found.feature, found.vertices));
 }
 
-/// How far a vertex that goes further than `least` would come into what is kept free, at most, m.
-pub(super) fn coming(body: &Body, scene: Scene, free: &[DVec3], least: f64) -> f64 {
+/// Adds how far vertices that go further than `least` would be pushed out of what is kept free, m.
+pub(super) fn pushes(body: &Body, scene: Scene, free: &[DVec3], least: f64, pushes: &mut [DVec3]) {
     let (limits, moving) = (limits(body, scene), scene.moving);
-    let mut deepest = 0.0_f64;
     for vertex in (0..moving.x.len()).filter(|&vertex| !moving.held[vertex]) {
         let end = free[vertex];
         let way = body.local(moving.x[vertex], end);
@@ -171,22 +189,27 @@ pub(super) fn coming(body: &Body, scene: Scene, free: &[DVec3], least: f64) -> f
             && let Ok(meeting) =
                 body.meet(way, body.nearest(way[1], limits[1] + way[0].distance(way[1])), limits, moving.dt)
         {
-            deepest = deepest.max(meeting.offset - meeting.normal.dot(end));
+            pushes[vertex] += (meeting.offset - meeting.normal.dot(end)).max(0.0) * meeting.normal;
         }
     }
-    deepest
 }
 
 /// Finds corners and edges between the vertices of triangles, of which it is known where they are.
-pub(super) fn between(body: &Body, features: &Features, scene: Scene, near: &[Near], mut then: impl FnMut(Found)) {
+pub(super) fn between(
+    body: &Body,
+    features: &Features,
+    scene: Scene,
+    near: &[Near],
+    most: f64,
+    mut then: impl FnMut(Found),
+) {
     let Scene { around, moving, faces } = scene;
     let thickness = around.settings.thickness;
     let reach = REACH * thickness;
     let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
-    let most = BULGE * thickness + lift(body, scene);
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord; both squared.
     let bulges = |turn: f64, side: f64| turn * side > (8.0 * most) * (8.0 * most);
-    let fast = faces.longest.max(limits.reach);
+    let fast = fast(around, faces);
     for triangle in &faces.triangles {
         let corners = triangle.map(|vertex| &near[vertex as usize]);
         let most_of = |[a, b, c]: [f64; 3]| a.max(b).max(c);

@@ -31,6 +31,7 @@ impl Surroundings<'_> {
 }
 
 /// State of the substep that touches are found for.
+#[derive(Clone, Copy)]
 pub(crate) struct Moving<'a> {
     pub x: &'a [DVec3],
     pub v: &'a [DVec3],

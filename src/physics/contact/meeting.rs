@@ -74,16 +74,19 @@ impl<'a> Body<'a> {
         Self { surface, start, end, own_box, bounds }
     }
 
-    /// How much further off a round collider the vertices of sides of this length must keep, so that what is between them keeps off
-    /// as far as a thickness allows: an arc bulges over its chord; m.
-    pub fn bulge(&self, side: f64, thickness: f64) -> f64 {
-        let arc = |radius: f64| side * side / (8.0 * radius);
-        self.surface.roundness().map_or(0.0, |radius| (arc(radius) - thickness).max(0.0))
+    /// How far an arc of a round collider bulges over its chord, which is a side of this length, m; 0 if it is not round.
+    pub fn bulge(&self, side: f64) -> f64 {
+        self.surface.roundness().map_or(0.0, |radius| side * side / (8.0 * radius))
     }
 
     /// Whether it has neither corners nor edges.
     pub fn is_round(&self) -> bool {
         self.surface.roundness().is_some()
+    }
+
+    /// How fast a point of the collider is that is at a place of the world at the end, m/s.
+    pub fn velocity(&self, place: DVec3, dt: f64) -> DVec3 {
+        (place - self.start.place(self.end.local(place))) / dt
     }
 
     /// How far a point of the collider goes at most, m; infinite if it turns and has no end.

@@ -11,6 +11,7 @@ mod collider;
 mod detect;
 mod features;
 mod find;
+mod guard;
 mod layer;
 mod meeting;
 mod memory;
