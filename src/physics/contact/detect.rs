@@ -24,8 +24,6 @@ pub(super) struct Nearby {
     free: Vec<DVec3>,
     /// By vertex: how far colliders would push it out of where its free way ends, m; empty if none is fast.
     pushes: Vec<DVec3>,
-    /// Length of the longest free way, m.
-    fastest: f64,
     /// Whether this holds for a whole step that nothing was done in yet.
     fresh: bool,
 }
@@ -37,14 +35,14 @@ impl ContactLayer {
         if around.colliders.is_empty() {
             return 0.0;
         }
-        self.look_around(around, moving);
+        let fastest = self.look_around(around, moving);
         self.nearby.fresh = true;
-        let Self { faces, nearby: Nearby { colliders, free, fastest, pushes, .. }, .. } = self;
+        let Self { faces, nearby: Nearby { colliders, free, pushes, .. }, .. } = self;
         let scene = Scene { around, moving, faces };
         pushes.clear();
         for &index in &*colliders {
             let body = Body::new(&around.colliders[index as usize], around.from, around.to);
-            if *fastest + body.travel() > least {
+            if fastest + body.travel() > least {
                 pushes.resize(moving.x.len(), DVec3::ZERO);
                 find::pushes(&body, scene, free, least, pushes);
             }
@@ -57,17 +55,16 @@ impl ContactLayer {
         ends.map(|[a, b]| a.distance_squared(b)).fold(0.0, f64::max).sqrt()
     }
 
-    /// Notes which colliders are near.
-    fn look_around(&mut self, around: &Surroundings, moving: &Moving) {
-        let Nearby { colliders, room, free, fastest, .. } = &mut self.nearby;
+    /// Notes which colliders are near, and says how long the longest free way is, m.
+    fn look_around(&mut self, around: &Surroundings, moving: &Moving) -> f64 {
+        let Nearby { colliders, room, free, .. } = &mut self.nearby;
         free.clear();
         free.extend((0..moving.x.len()).map(|vertex| find::free(moving, vertex)));
-        let (mut low, mut high, mut furthest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
+        let (mut low, mut high, mut fastest) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         for (&x, &y) in moving.x.iter().zip(&*free) {
             (low, high) = (low.min(x).min(y), high.max(x).max(y));
-            furthest = furthest.max(x.distance_squared(y));
+            fastest = fastest.max(x.distance_squared(y));
         }
-        *fastest = furthest.sqrt();
         let reach = find::reach(around);
         colliders.clear();
         *room = f64::INFINITY;
@@ -80,6 +77,7 @@ impl ContactLayer {
                 colliders.push(index);
             }
         }
+        fastest.sqrt()
     }
 
     /// Finds the touches of a substep.
@@ -108,10 +106,10 @@ impl ContactLayer {
                 self.features.push(of_shape);
                 self.features.len() - 1
             });
-            let Self { faces, near, room, features, nearby: Nearby { free, fastest, .. }, .. } = self;
+            let Self { faces, near, room, features, nearby: Nearby { free, .. }, .. } = self;
             let scene = Scene { around, moving, faces };
             let features = &features[known].1;
-            let looked = !features.is_empty() && find::may_be_between(&body, scene, *fastest + body.travel());
+            let looked = !features.is_empty() && find::may_be_between(&body, scene);
             find::vertices(&body, scene, free, looked.then_some(&mut *near), room, |vertex| found.push(vertex));
             if looked {
                 let vertices = found.len();
@@ -207,7 +205,7 @@ impl ContactLayer {
         self.astray = astray;
         // Where vertices end nearly as they were seen to, so do triangles.
         if furthest > around.settings.thickness * around.settings.thickness {
-            any |= self.find_between_late(&bodies, around, moving, furthest.sqrt(), end);
+            any |= self.find_between_late(&bodies, around, moving, end);
         }
         any
     }
@@ -218,18 +216,17 @@ impl ContactLayer {
         bodies: &[(usize, Body)],
         around: &Surroundings,
         moving: &Moving,
-        furthest: f64,
         end: impl Fn(usize) -> DVec3,
     ) -> bool {
         let (mut any, mut found) = (false, Vec::new());
         for &(index, ref body) in bodies {
             // What is round all over is met by vertices, but in an impact.
-            if body.is_round() && around.is_whole() {
+            if body.roundness().is_some() && around.is_whole() {
                 continue;
             }
             let Some(features) = of_shape(&self.features, &around.colliders[index].shape) else { continue };
             let scene = Scene { around, moving, faces: &self.faces };
-            if !find::may_be_between(body, scene, self.nearby.fastest + furthest + body.travel()) {
+            if !find::may_be_between(body, scene) {
                 continue;
             }
             find::ending(body, scene, &mut self.near, &end);

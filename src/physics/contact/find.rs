@@ -97,16 +97,10 @@ pub(super) fn bulge(body: &Body, scene: Scene) -> f64 {
     BULGE * scene.around.settings.thickness + lift(body, scene)
 }
 
-/// Whether there may be anything between vertices that go so far at most, m: not where a fine cloth lies on something smooth.
-pub(super) fn may_be_between(body: &Body, scene: Scene, travel: f64) -> bool {
-    let Scene { around, faces, .. } = scene;
-    let bulges = body.bulge(MOST_STRETCHED * faces.longest) > bulge(body, scene);
-    !body.is_round() || bulges || travel >= fast(around, faces)
-}
-
-/// What goes further than this may pass through between vertices, m.
-fn fast(around: &Surroundings, faces: &Faces) -> f64 {
-    faces.longest.max(REACH * around.settings.thickness)
+/// Whether there may be anything between vertices: not where a fine cloth lies on something smooth.
+pub(super) fn may_be_between(body: &Body, scene: Scene) -> bool {
+    let side = MOST_STRETCHED * scene.faces.longest;
+    body.roundness().is_none_or(|radius| 2.0 * radius < side || body.bulge(side) > bulge(body, scene))
 }
 
 /// Finds vertices near the surface. Takes down where it is nearest to each that is not far, if there is a place for that, and how much
@@ -209,7 +203,7 @@ pub(super) fn between(
     let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord; both squared.
     let bulges = |turn: f64, side: f64| turn * side > (8.0 * most) * (8.0 * most);
-    let fast = fast(around, faces);
+    let fast = faces.longest.max(limits.reach);
     for triangle in &faces.triangles {
         let corners = triangle.map(|vertex| &near[vertex as usize]);
         let most_of = |[a, b, c]: [f64; 3]| a.max(b).max(c);

@@ -85,7 +85,7 @@ impl ContactLayer {
             let collider = &around.colliders[index as usize];
             let body = Body::new(collider, around.from, around.to);
             let between = || touches.iter().any(|touch| touch.collider == index && touch.feature != SURFACE);
-            let bulging = if body.is_round() {
+            let bulging = if body.roundness().is_some() {
                 body.bulge(find::MOST_STRETCHED * faces.longest) > most
             } else {
                 !around.is_whole() || between()

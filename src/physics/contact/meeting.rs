@@ -76,12 +76,12 @@ impl<'a> Body<'a> {
 
     /// How far an arc of a round collider bulges over its chord, which is a side of this length, m; 0 if it is not round.
     pub fn bulge(&self, side: f64) -> f64 {
-        self.surface.roundness().map_or(0.0, |radius| side * side / (8.0 * radius))
+        self.roundness().map_or(0.0, |radius| side * side / (8.0 * radius))
     }
 
-    /// Whether it has neither corners nor edges.
-    pub fn is_round(&self) -> bool {
-        self.surface.roundness().is_some()
+    /// Radius of a surface that is round all over, and has neither corners nor edges, m.
+    pub fn roundness(&self) -> Option<f64> {
+        self.surface.roundness()
     }
 
     /// How fast a point of the collider is that is at a place of the world at the end, m/s.
