@@ -81,6 +81,7 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
         projection: Projection::PositivePart,
         drift: DVec3::ZERO,
         inertia: None,
+        contacts: &[],
     };
     system.settle(&reached);
     system.assemble(&step, &masses);

@@ -87,24 +87,11 @@ impl<T: Scalar> BlockCsr<T> {
         if self.interleaved { group.interleaved_block(slot % ROWS) } else { group.block(slot % ROWS) }
     }
 
-    /// Changes the block of a row on the diagonal.
+    /// Changes the block of a row on the diagonal. Not of an interleaved matrix.
     pub fn set_diagonal(&mut self, row: usize, block: M3<T>) {
+        debug_assert!(!self.interleaved);
         let slot = self.pattern.diagonal(row);
-        let (group, lane) = (&mut self.diagonal[slot / ROWS], slot % ROWS);
-        if self.interleaved { group.set_interleaved_block(lane, block) } else { group.set_block(lane, block) }
-    }
-
-    /// Changes the block of a slot, and returns what it was.
-    pub(super) fn change_block(&mut self, slot: usize, change: impl FnOnce(M3<T>) -> M3<T>) -> M3<T> {
-        let (group, lane) = (&mut self.lower[slot / ROWS], slot % ROWS);
-        let old = if self.interleaved { group.interleaved_block(lane) } else { group.block(lane) };
-        let new = change(old);
-        if self.interleaved {
-            group.set_interleaved_block(lane, new)
-        } else {
-            group.set_block(lane, new)
-        }
-        old
+        self.diagonal[slot / ROWS].set_block(slot % ROWS, block);
     }
 
     /// Columns and blocks of a row left of the diagonal. Not of an interleaved matrix.

@@ -2,7 +2,7 @@
 
 use bevy::math::{DMat3, DVec3};
 
-use super::BlockCsr;
+use super::{BlockCsr, ImplicitStep};
 use crate::physics::math::{M3, Padded, Scalar};
 
 /// A force that falls linearly as a point of the cloth moves.
@@ -18,64 +18,31 @@ pub struct ContactTerm {
     pub stiffness: DMat3,
 }
 
-/// What contact changed in A and b, to be taken out again.
-#[derive(Debug)]
-pub(super) struct Added<T: Scalar> {
-    /// Rows with what was on the diagonal and in b.
-    rows: Vec<(u32, M3<T>, Padded<T>)>,
-    /// Slots with what was there.
-    blocks: Vec<(u32, M3<T>)>,
-}
-
-impl<T: Scalar> Added<T> {
-    pub fn none() -> Self {
-        Self { rows: Vec::new(), blocks: Vec::new() }
-    }
-
-    /// A and b are others now.
-    pub fn forget(&mut self) {
-        self.rows.clear();
-        self.blocks.clear();
-    }
-
-    /// Adds a term to A and b, which hold the constraints already; the vertices must be coupled in the pattern. The solution is
-    /// relative to `drift` (m), which contact does feel.
-    pub fn add(&mut self, a: &mut BlockCsr<T>, b: &mut [Padded<T>], gamma: f64, drift: DVec3, term: &ContactTerm) {
-        let square = gamma * gamma;
-        let force = square * (term.force - term.stiffness * drift);
-        let [x, y, z] = [term.stiffness.x_axis, term.stiffness.y_axis, term.stiffness.z_axis].map(|c| square * c);
-        let block = |weight: f64| M3([x, y, z].map(|row| (weight * row).to_array().map(T::from_f64)));
-        let corners = || term.vertices.into_iter().zip(term.weights).filter(|&(_, weight)| weight != 0.0);
-        for (row, weight) in corners() {
-            let at = row as usize;
-            if a.fixed[at] {
-                continue;
-            }
-            let diagonal = a.diagonal(at);
-            self.rows.push((row, diagonal, b[at]));
-            a.set_diagonal(at, diagonal + block(weight * weight));
-            b[at] += Padded::from_f64((weight * force).to_array());
-            for (column, other) in corners().filter(|&(column, _)| column != row) {
-                let coupling = block(weight * other);
-                if a.fixed[column as usize] {
-                    b[at] -= coupling.times(b[column as usize]);
-                } else if column < row
-                    && let Some(slot) = a.pattern().slot(row, column)
-                {
-                    self.blocks.push((slot, a.change_block(slot as usize, |block| block + coupling)));
-                }
-            }
+/// Adds a term to A and b. Neither may be constrained or interleaved yet; the vertices must be coupled in the pattern.
+pub(super) fn add<T: Scalar>(a: &mut BlockCsr<T>, b: &mut [Padded<T>], step: &ImplicitStep, term: &ContactTerm) {
+    let square = step.gamma * step.gamma;
+    // The solution is relative to the drift, which A does feel here.
+    let force = square * (term.force - term.stiffness * step.drift);
+    let [x, y, z] = [term.stiffness.x_axis, term.stiffness.y_axis, term.stiffness.z_axis].map(|c| square * c);
+    let block = |weight: f64| M3([x, y, z].map(|row| (weight * row).to_array().map(T::from_f64)));
+    for (i, &row) in term.vertices.iter().enumerate() {
+        let weight = term.weights[i];
+        if weight == 0.0 {
+            continue;
         }
-    }
-
-    /// Takes all of it out of A and b again.
-    pub fn take_out(&mut self, a: &mut BlockCsr<T>, b: &mut [Padded<T>]) {
-        for (row, diagonal, rhs) in self.rows.drain(..).rev() {
-            a.set_diagonal(row as usize, diagonal);
-            b[row as usize] = rhs;
-        }
-        for (slot, block) in self.blocks.drain(..).rev() {
-            a.change_block(slot as usize, |_| block);
+        let at = row as usize;
+        let diagonal = a.diagonal(at);
+        a.set_diagonal(at, diagonal + block(weight * weight));
+        b[at] += Padded::from_f64((weight * force).to_array());
+        for (j, &column) in term.vertices.iter().enumerate() {
+            if column < row
+                && term.weights[j] != 0.0
+                && let Some(slot) = a.pattern().slot(row, column)
+            {
+                let slot = slot as usize;
+                let sum = a.block(slot) + block(weight * term.weights[j]);
+                a.set_block(slot, sum);
+            }
         }
     }
 }

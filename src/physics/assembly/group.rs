@@ -81,14 +81,6 @@ impl<T: Scalar> Group<T> {
         block
     }
 
-    /// Changes one of the blocks, interleaved.
-    #[inline(always)]
-    pub fn set_interleaved_block(&mut self, lane: usize, block: M3<T>) {
-        for (entry, &value) in block.0.as_flattened().iter().enumerate() {
-            self.0[ROWS * entry + lane] = value;
-        }
-    }
-
     /// An entry of all blocks, interleaved.
     #[inline(always)]
     fn entry(&self, row: usize, column: usize) -> &[T; ROWS] {
@@ -178,9 +170,6 @@ mod tests {
         for lane in 0..ROWS {
             assert_eq!(group.interleaved_block(lane), block(lane) + block(1));
         }
-        group.set_interleaved_block(3, block(7));
-        assert_eq!([3, 4].map(|lane| group.interleaved_block(lane)), [block(7), block(4) + block(1)]);
-        group.set_interleaved_block(3, block(3) + block(1));
         assert_eq!(*group.entry(1, 2), core::array::from_fn(|lane| (100 * lane + 12 + 112) as f32));
     }
 

@@ -2,6 +2,7 @@
 
 use bevy::math::DVec3;
 
+use super::ContactTerm;
 use crate::physics::math::{Padded, Scalar};
 
 /// How the stress is made safe in the geometric part of the Hessian.
@@ -52,6 +53,8 @@ pub struct ImplicitStep<'a> {
     /// By vertex, if not 1 for all: factor of M in A and b. With (γ/Δt)² and y = xₙ + Δt vₙ a vertex takes a step of backward Euler
     /// while the others take one of another scheme.
     pub inertia: Option<&'a [f64]>,
+    /// Forces of contact, linearised at x.
+    pub contacts: &'a [ContactTerm],
 }
 
 impl<'a> ImplicitStep<'a> {
@@ -68,6 +71,7 @@ impl<'a> ImplicitStep<'a> {
             projection: Projection::PositivePart,
             drift: DVec3::ZERO,
             inertia: None,
+            contacts: &[],
         }
     }
 

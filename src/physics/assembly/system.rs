@@ -5,14 +5,14 @@ use std::sync::Arc;
 use bevy::math::DVec3;
 
 use super::batch::{self, Output};
-use super::contacts::Added;
+use super::contacts;
 use super::hinges::Hinges;
 use super::implicit_step::{ImplicitStep, Linearisation};
 use super::ordering::along;
 use super::parts::{ByGroup, BySlice, Part, for_parts};
 use super::row_sums::SubtractRows;
 use super::triangles::Triangles;
-use super::{BlockCsr, BlockPattern, ContactTerm, Group, Ordering, Slicing};
+use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
 use crate::physics::math::{M3, Padded, ROWS, Scalar};
@@ -46,8 +46,6 @@ pub struct System<T: Scalar> {
     pub matrix: BlockCsr<T>,
     /// b, kg·m.
     pub rhs: Vec<Padded<T>>,
-    /// What of these is contact.
-    contacts: Added<T>,
 }
 
 impl<T: Scalar> System<T> {
@@ -75,7 +73,6 @@ impl<T: Scalar> System<T> {
             moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
-            contacts: Added::none(),
         }
     }
 
@@ -117,10 +114,9 @@ impl<T: Scalar> System<T> {
         self.hinges.settle(&self.points);
     }
 
-    /// Fills A and b, but for contact.
+    /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        let Self { triangles, hinges, points, moved, matrix, rhs, contacts } = self;
-        contacts.forget();
+        let Self { triangles, hinges, points, moved, matrix, rhs } = self;
         let pattern = Arc::clone(matrix.pattern());
         // Relative to the first vertex, as f32 has few digits and only differences count.
         let common = step.x[0] - step.origin[0];
@@ -159,25 +155,9 @@ impl<T: Scalar> System<T> {
         for_parts(pattern.parts(), diagonal, &|part: &Part, BySlice(diagonal)| {
             T::dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
         });
-    }
-
-    /// Adds terms of contact to A and b, which hold the constraints already. `gamma` and `drift` are those of the step.
-    pub fn add_contacts(&mut self, gamma: f64, drift: DVec3, terms: &[ContactTerm]) {
-        for term in terms {
-            self.contacts.add(&mut self.matrix, &mut self.rhs, gamma, drift, term);
+        for term in step.contacts {
+            contacts::add(matrix, rhs, step, term);
         }
-    }
-
-    /// Takes the terms of contact out again.
-    pub fn take_out_contacts(&mut self) {
-        self.contacts.take_out(&mut self.matrix, &mut self.rhs);
-    }
-
-    /// Adds to the inertia of a vertex in A (kg), and to its b (kg·m).
-    pub fn add_inertia(&mut self, vertex: usize, inertia: f64, b: DVec3) {
-        let diagonal = self.matrix.diagonal(vertex);
-        self.matrix.set_diagonal(vertex, diagonal + M3::scaled_identity(T::from_f64(inertia)));
-        self.rhs[vertex] += Padded::from_f64(b.to_array());
     }
 }
 

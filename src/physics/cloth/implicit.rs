@@ -8,7 +8,7 @@ use super::scheme::{Linear, Scheme};
 use super::touching::{Impact, contact_layer};
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
-use crate::physics::assembly::{BlockPattern, Constraints, ElasticEnergy, ImplicitStep, Ordering, System};
+use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, System};
 use crate::physics::contact::{Collider, Contact, ContactLayer};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Padded, Scalar};
@@ -37,8 +37,6 @@ pub(super) struct Implicit<T: Scalar> {
 
     pub contact: ContactLayer,
     pub impact: Impact,
-    /// Whether contact may change after the last solve, and nothing else.
-    pub only_contact: bool,
     /// See [`ImplicitStep::inertia`]; empty while nothing touches.
     pub inertia: Vec<f64>,
 
@@ -91,7 +89,6 @@ impl<T: Scalar> Implicit<T> {
             constraints: Constraints::default(),
             contact: contact_layer(shape, fabric, ordering),
             impact: Impact::NONE,
-            only_contact: false,
             inertia: Vec::new(),
             system,
             solution: small_zeros,
@@ -151,7 +148,7 @@ impl<T: Scalar> Implicit<T> {
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
         let start = Instant::now();
-        let Self { system, constraints, solver, contact, only_contact, inertia, solution, residual, .. } = self;
+        let Self { system, constraints, solver, contact, inertia, solution, residual, .. } = self;
         let Self { inertial, origin, point, moves, .. } = self;
         let (held, touching) = (step.pins.held(), contact.any_active());
         // What touches is held by that: nothing else is known of its moves before the solve.
@@ -167,6 +164,7 @@ impl<T: Scalar> Implicit<T> {
             projection: linear.projection,
             drift: DVec3::ZERO,
             inertia: (!inertia.is_empty()).then_some(&inertia[..]),
+            contacts: contact.terms(point),
         };
         implicit.drift = if guess == Guess::Downhill || touching || (any_held && guess == Guess::Point) {
             DVec3::ZERO
@@ -188,8 +186,6 @@ impl<T: Scalar> Implicit<T> {
         };
         constraints.set(system.matrix.pattern(), held);
         constraints.apply(&mut system.matrix, &mut system.rhs, prescribed);
-        system.add_contacts(linear.gamma, implicit.drift, contact.terms(|vertex| point[vertex], point));
-        *only_contact = implicit.drift == DVec3::ZERO && solver.can_solve_again();
         let assembled = Instant::now();
         report.assembly += assembled - start;
 
@@ -217,7 +213,18 @@ impl<T: Scalar> Implicit<T> {
         let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;
         report.iterations += solved.iterations;
         report.preconditioner += solved.preparation;
-        read_moves(system.matrix.pattern(), solution, implicit.drift, moves)?;
+        let (d, drift) = (&solution[..], implicit.drift);
+        let finite = for_parts(system.matrix.pattern().parts(), &mut moves[..], &|part: &Part, moves| {
+            let mut sum = DVec3::ZERO;
+            for (moved, d) in moves.iter_mut().zip(&d[part.rows.clone()]) {
+                *moved = DVec3::from(d.to_f64()) + drift;
+                sum += moved.abs();
+            }
+            sum.is_finite()
+        });
+        if !finite {
+            return Err(ClothFault::NotFinite);
+        }
         if !any_held && guess != Guess::Downhill {
             residual.resize(solution.len(), Padded::zero());
             system.matrix.interleave();
@@ -228,49 +235,6 @@ impl<T: Scalar> Implicit<T> {
         report.solve += assembled.elapsed().saturating_sub(solved.preparation);
         Ok(())
     }
-
-    /// Solves once more where only contact is another than in the last solve: all else stays linearised where it was.
-    pub fn solve_contact(
-        &mut self,
-        linear: Linear,
-        step: Step,
-        state: &State,
-        report: &mut StepReport,
-    ) -> Result<(), ClothFault> {
-        let start = Instant::now();
-        self.system.take_out_contacts();
-        self.slow_down_more(linear.gamma, step, state);
-        let Self { system, solver, contact, solution, point, moves, .. } = self;
-        let terms = contact.terms(|vertex| point[vertex] + moves[vertex], point);
-        system.add_contacts(linear.gamma, DVec3::ZERO, terms);
-        let assembled = Instant::now();
-        report.assembly += assembled - start;
-        let target = self.settings.target(step.mass, linear.gamma);
-        let solved = solver.solve_again(&mut system.matrix, &system.rhs, solution, target)?;
-        report.iterations += solved.iterations;
-        report.preconditioner += solved.preparation;
-        read_moves(system.matrix.pattern(), solution, DVec3::ZERO, moves)?;
-        report.solve += assembled.elapsed().saturating_sub(solved.preparation);
-        Ok(())
-    }
-}
-
-/// The moves of a solution that is relative to a drift, m.
-fn read_moves<T: Scalar>(
-    pattern: &BlockPattern,
-    solution: &[Padded<T>],
-    drift: DVec3,
-    moves: &mut [DVec3],
-) -> Result<(), ClothFault> {
-    let finite = for_parts(pattern.parts(), moves, &|part: &Part, moves| {
-        let mut sum = DVec3::ZERO;
-        for (moved, d) in moves.iter_mut().zip(&solution[part.rows.clone()]) {
-            *moved = DVec3::from(d.to_f64()) + drift;
-            sum += moved.abs();
-        }
-        sum.is_finite()
-    });
-    if finite { Ok(()) } else { Err(ClothFault::NotFinite) }
 }
 
 impl<T: Scalar> Engine for Implicit<T> {

@@ -3,14 +3,13 @@
 //! Vertices that touch take a step of backward Euler, whatever the others take: by BDF2, which continues the motion of two
 //! steps, what is stopped by a surface would go back at half its speed.
 
-use bevy::math::DVec3;
 use bevy::platform::time::Instant;
 
 use super::engine::Step;
 use super::implicit::{Guess, Implicit};
 use super::scheme::Linear;
 use super::{ClothFault, State, StepReport};
-use crate::physics::assembly::{Ordering, System};
+use crate::physics::assembly::Ordering;
 use crate::physics::contact::{ContactLayer, Moving};
 use crate::physics::material::Fabric;
 use crate::physics::math::Scalar;
@@ -100,34 +99,12 @@ impl<T: Scalar> Implicit<T> {
 
     /// Lets what touches take a step of backward Euler.
     pub fn slow_down_touching(&mut self, gamma: f64, step: Step, state: &State) {
-        self.inertia.resize(state.positions.len(), 1.0);
+        let Self { contact, inertia, inertial, .. } = self;
+        inertia.resize(state.positions.len(), 1.0);
         let factor = gamma * gamma / (step.dt * step.dt);
-        self.slow_down_by(factor, step, state, |_, _, _, _| {});
-    }
-
-    /// The same where A and b are there already.
-    pub fn slow_down_more(&mut self, gamma: f64, step: Step, state: &State) {
-        let factor = gamma * gamma / (step.dt * step.dt);
-        self.slow_down_by(factor, step, state, |system, vertex, inertia, b| system.add_inertia(vertex, inertia, b));
-    }
-
-    /// Tells what there is more of in A (kg) and in b (kg·m) for a vertex.
-    fn slow_down_by(
-        &mut self,
-        factor: f64,
-        step: Step,
-        state: &State,
-        mut more: impl FnMut(&mut System<T>, usize, f64, DVec3),
-    ) {
-        let Self { system, contact, inertia, inertial, point, .. } = self;
         for vertex in contact.touched().filter(|&vertex| !step.pins.held()[vertex]) {
-            let (before, y) = (inertia[vertex], state.positions[vertex] + step.dt * state.velocities[vertex]);
-            if before != factor {
-                let (mass, x) = (step.masses[vertex], point[vertex]);
-                let pull = factor * (y - x) - before * (inertial[vertex] - x);
-                more(system, vertex, mass * (factor - before), mass * pull);
-            }
-            (inertia[vertex], inertial[vertex]) = (factor, y);
+            inertia[vertex] = factor;
+            inertial[vertex] = state.positions[vertex] + step.dt * state.velocities[vertex];
         }
     }
 
@@ -169,14 +146,10 @@ impl<T: Scalar> Implicit<T> {
                 break;
             }
             report.contact_solves += u32::from(again);
+            self.slow_down_touching(linear.gamma, step, state);
+            self.move_point();
             let before = report.iterations;
-            if linearised >= newton_steps && self.only_contact {
-                self.solve_contact(linear, step, state, report)?;
-            } else {
-                self.slow_down_touching(linear.gamma, step, state);
-                self.move_point();
-                self.solve(linear, Guess::Point, step, state, report)?;
-            }
+            self.solve(linear, Guess::Point, step, state, report)?;
             let solved = self.settings.kind.is_iterative() && report.iterations == before;
             linearised = if solved { newton_steps } else { linearised + 1 };
         }

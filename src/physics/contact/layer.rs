@@ -116,17 +116,12 @@ impl ContactLayer {
         self.touches.iter().any(Touch::is_active)
     }
 
-    /// The terms of A and b, linearised at `at`, with the forces that they say for `points`.
-    pub fn terms(&mut self, at: impl Fn(usize) -> DVec3, points: &[DVec3]) -> &[ContactTerm] {
+    /// The terms of A and b, linearised at these points.
+    pub fn terms(&mut self, points: &[DVec3]) -> &[ContactTerm] {
         let Self { touches, terms, .. } = self;
         terms.clear();
         let active = touches.iter_mut().filter(|touch| touch.is_active());
-        terms.extend(active.map(|touch| {
-            let x = touch.at(&at);
-            let mut term = touch.term(x);
-            term.force += term.stiffness * (x - touch.point(points));
-            term
-        }));
+        terms.extend(active.map(|touch| touch.term(touch.point(points))));
         terms
     }
 

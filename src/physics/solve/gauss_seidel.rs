@@ -58,15 +58,6 @@ impl<T: Scalar> GaussSeidel<T> {
 
     /// Adapts to a new matrix, not yet interleaved.
     pub fn update(&mut self, a: &BlockCsr<T>) {
-        self.invert(a, true);
-    }
-
-    /// Adapts to one that differs in blocks on the diagonal.
-    pub fn refresh(&mut self, a: &BlockCsr<T>) {
-        self.invert(a, false);
-    }
-
-    fn invert(&mut self, a: &BlockCsr<T>, raise: bool) {
         let pattern = &**a.pattern();
         for_parts(pattern.parts(), BySlice(&mut self.pivots), &|part: &Part, BySlice(pivots)| {
             for (pivots, slice) in pivots.iter_mut().zip(&pattern.slices()[part.slices.clone()]) {
@@ -76,9 +67,7 @@ impl<T: Scalar> GaussSeidel<T> {
                     let row = slice.first_row as usize + lane;
                     *block = a.diagonal(row);
                     if pattern.parts().len() > 1 {
-                        if raise {
-                            pivots.raised[lane] = coupling_across(a, part, row);
-                        }
+                        pivots.raised[lane] = coupling_across(a, part, row);
                         *block = block.add_diagonal(pivots.raised[lane]);
                     }
                 }

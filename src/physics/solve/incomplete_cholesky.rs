@@ -147,10 +147,6 @@ impl<T: Scalar> Preconditioner<T> for IncompleteCholesky<T> {
         }
     }
 
-    fn refresh(&mut self, _: &BlockCsr<T>) {
-        // Every pivot follows from those before it, so it stays as it is.
-    }
-
     fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         dispatch(Apply { factor: self, r, z })
     }

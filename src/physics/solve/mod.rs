@@ -74,26 +74,6 @@ pub trait LinearSolver<T: Scalar>: Send + Sync {
         d: &mut [Padded<T>],
         target: Target,
     ) -> Result<Solved, SolveError>;
-
-    /// Whether it can solve again.
-    fn can_solve_again(&self) -> bool {
-        false
-    }
-
-    /// The same from where the last solve led, where few blocks of A have changed since, which is as that left it: what was prepared
-    /// is kept where it can be. Only for those that can.
-    ///
-    /// # Errors
-    /// As [`Self::solve`].
-    fn solve_again(
-        &mut self,
-        a: &mut BlockCsr<T>,
-        b: &[Padded<T>],
-        d: &mut [Padded<T>],
-        target: Target,
-    ) -> Result<Solved, SolveError> {
-        self.solve(a, b, d, target)
-    }
 }
 
 /// The solver of this kind for matrices of this pattern.

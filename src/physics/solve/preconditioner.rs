@@ -7,9 +7,6 @@ use crate::physics::math::{Kernel, M3, Padded, Scalar, dispatch};
 pub trait Preconditioner<T: Scalar>: Send + Sync {
     /// Adapts to a new matrix of the same pattern, not yet interleaved.
     fn update(&mut self, a: &BlockCsr<T>);
-
-    /// Adapts to a few blocks that have changed, most of them on the diagonal, as far as that is cheap. A is interleaved.
-    fn refresh(&mut self, a: &BlockCsr<T>);
     /// `z = P⁻¹ r`, for the matrix that it was last adapted to, now interleaved; returns rᵀ z.
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
 }
@@ -17,10 +14,6 @@ pub trait Preconditioner<T: Scalar>: Send + Sync {
 impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
     fn update(&mut self, a: &BlockCsr<T>) {
         (**self).update(a);
-    }
-
-    fn refresh(&mut self, a: &BlockCsr<T>) {
-        (**self).refresh(a);
     }
 
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
@@ -47,10 +40,6 @@ impl<T: Scalar> Preconditioner<T> for BlockJacobi<T> {
             *inverse = a.diagonal(row);
         }
         invert(&mut self.inverses);
-    }
-
-    fn refresh(&mut self, a: &BlockCsr<T>) {
-        self.update(a);
     }
 
     fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {

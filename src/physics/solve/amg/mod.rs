@@ -140,13 +140,6 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
         }
     }
 
-    fn refresh(&mut self, a: &BlockCsr<T>) {
-        // The levels below stay as they are: what changed at single vertices is smoothed out on the finest.
-        if let Some(finest) = self.levels.first_mut() {
-            finest.smoother.refresh(a);
-        }
-    }
-
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         cycle(&mut self.levels, &mut self.factor, a, r, z)
     }
