@@ -78,13 +78,14 @@ fn out_of([a, b, c]: [DVec3; 3], corner: DVec3, middle: DVec3) -> Option<f64> {
     (normal != DVec3::ZERO && inside(a, b) && inside(b, c) && inside(c, a)).then(|| outwards * (corner - a).dot(normal))
 }
 
-/// Vertices that went straight from `before` to where they are between two times, and on the way were so deep in a body that they
-/// have passed through it.
-pub fn passed(cloth: &Cloth, before: &[DVec3], bodies: &[Body], [start, end]: [f64; 2]) -> u32 {
+/// Vertices that went straight from `before` to `after` between two shares of a step, in which bodies go straight between two times, and
+/// on the way were so deep in a body that they have passed through it.
+pub fn passed([before, after]: [&[DVec3]; 2], bodies: &[Body], [start, end]: [f64; 2], [done, then]: [f64; 2]) -> u32 {
     let mut passed = 0;
     for body in bodies {
-        let (from, to, core) = (body.pose(start), body.pose(end), body.solid.core());
-        for (&x, &y) in before.iter().zip(cloth.positions()) {
+        let way = |share| body.pose(start).towards(&body.pose(end), share);
+        let (from, to, core) = (way(done), way(then), body.solid.core());
+        for (&x, &y) in before.iter().zip(after) {
             let (distance, carried) = (body.solid.distance(from.local(x)), to.place(from.local(x)));
             // A turning body moves on an arc, which is longer than its chord.
             let way = 1.1 * (y - x).length() + 1.1 * (carried - x).length();
@@ -153,12 +154,12 @@ mod tests {
         let wall = || Solid::Cuboid { half: DVec3::new(1.0, 0.005, 1.0) };
         let (below, above) = (square(-0.4), square(0.4));
         let standing = [Body::fixed(wall(), 0.5, Pose::IDENTITY)];
-        assert_eq!(passed(&above, below.positions(), &standing, [0.0, 1.0]), 4);
-        assert_eq!(passed(&above, square(0.1).positions(), &standing, [0.0, 1.0]), 0);
+        assert_eq!(passed([below.positions(), above.positions()], &standing, [0.0, 1.0], [0.0, 1.0]), 4);
+        assert_eq!(passed([square(0.1).positions(), above.positions()], &standing, [0.0, 1.0], [0.0, 1.0]), 0);
         // From −0.5 m to 0.3 m: it pushes what it finds at −0.4 m.
         let pushing = [Body::moving(wall(), 0.5, |t| Pose::at(DVec3::Y * (0.8 * t - 0.5)))];
-        assert_eq!(passed(&above, below.positions(), &pushing, [0.0, 1.0]), 0);
-        assert_eq!(passed(&below, below.positions(), &pushing, [0.0, 1.0]), 4);
+        assert_eq!(passed([below.positions(), above.positions()], &pushing, [0.0, 1.0], [0.0, 1.0]), 0);
+        assert_eq!(passed([below.positions(), below.positions()], &pushing, [0.0, 1.0], [0.0, 1.0]), 4);
     }
 
     #[test]
@@ -173,8 +174,8 @@ mod tests {
         let (mut before, mut after) = (square(0.0), square(0.0));
         on_front(&mut before, 0.0);
         on_front(&mut after, 1.05);
-        assert_eq!(passed(&after, before.positions(), &paddle, [0.0, 1.05]), 0);
+        assert_eq!(passed([before.positions(), after.positions()], &paddle, [0.0, 1.05], [0.0, 1.0]), 0);
         let pushed = (before.positions()[1] - before.positions()[0]).length();
-        assert!(pushed > 0.0 && passed(&before, before.positions(), &paddle, [0.0, 1.05]) > 0);
+        assert!(pushed > 0.0 && passed([before.positions(), before.positions()], &paddle, [0.0, 1.05], [0.0, 1.0]) > 0);
     }
 }

@@ -101,15 +101,21 @@ impl Trial {
 
     /// Takes a step.
     pub fn step(&mut self) {
-        self.step_by(Cloth::step);
+        self.take(|cloth, dt, ways| cloth.step_watched(dt, Some(&mut |share, x| ways.push((share, x.to_vec())))));
     }
 
     /// Takes a step by a function that does nothing but that: what else there is to do is not timed with it.
     pub fn step_by(&mut self, step: impl FnOnce(&mut Cloth, f64) -> StepReport) {
+        self.take(|cloth, dt, _| step(cloth, dt));
+    }
+
+    /// Takes a step by a function that may say where the vertices are after shares of it.
+    fn take(&mut self, step: impl FnOnce(&mut Cloth, f64, &mut Vec<(f64, Vec<DVec3>)>) -> StepReport) {
         let span = [self.time, self.time + self.dt];
         self.cloth.set_colliders((0..).zip(&self.bodies).map(|(id, body)| body.collider(id, span)));
-        let before = self.cloth.positions().to_vec();
-        let report = step(&mut self.cloth, self.dt);
+        let mut ways = vec![(0.0, self.cloth.positions().to_vec())];
+        let report = step(&mut self.cloth, self.dt, &mut ways);
+        ways.push((1.0, self.cloth.positions().to_vec()));
         self.time = span[1];
         self.steps += 1;
         let Self { cloth, bodies, seen, .. } = self;
@@ -117,7 +123,10 @@ impl Trial {
             seen.vertex_depth = seen.vertex_depth.max(depth::vertices(cloth, bodies, span[1]));
             seen.face_depth = seen.face_depth.max(depth::faces(cloth, bodies, span[1]));
         }
-        seen.passed += depth::passed(cloth, &before, bodies, span);
+        for way in ways.windows(2) {
+            let shares = [way[0].0, way[1].0];
+            seen.passed += depth::passed([&way[0].1, &way[1].1], bodies, span, shares);
+        }
         let finite = cloth.positions().iter().chain(cloth.velocities()).all(|x| x.is_finite());
         seen.failed += u32::from(report.outcome != StepOutcome::Accepted || !finite);
         seen.rescues += report.rescues;

@@ -83,6 +83,9 @@ pub struct Cloth {
     engine: Box<dyn Engine>,
 }
 
+/// What is told of a substep, see [`Cloth::step_watched`].
+pub type Watch<'a> = dyn FnMut(f64, &[DVec3]) + Send + 'a;
+
 impl Cloth {
     /// A cloth at its rest positions, at rest, without pins, under standard gravity along −Y.
     ///
@@ -281,10 +284,16 @@ impl Cloth {
     ///
     /// Never panics: a step that cannot be taken leaves the cloth where it is, at rest, and says so in the report.
     pub fn step(&mut self, dt: f64) -> StepReport {
+        self.step_watched(dt, None)
+    }
+
+    /// The same, for those who ask what happens within a step: after every substep but the last, `watch` is told what share of the step
+    /// is done, and where the vertices are, m.
+    pub fn step_watched(&mut self, dt: f64, watch: Option<&mut Watch>) -> StepReport {
         let start = Instant::now();
         let mut report = StepReport::NONE;
         if dt != 0.0
-            && let Err(fault) = self.try_step(dt, &mut report)
+            && let Err(fault) = self.try_step(dt, watch, &mut report)
         {
             self.state.velocities.fill(DVec3::ZERO);
             self.engine.restart();
@@ -295,7 +304,7 @@ impl Cloth {
         report
     }
 
-    fn try_step(&mut self, dt: f64, report: &mut StepReport) -> Result<(), ClothFault> {
+    fn try_step(&mut self, dt: f64, mut watch: Option<&mut Watch>, report: &mut StepReport) -> Result<(), ClothFault> {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(ClothFault::TimeStep);
         }
@@ -324,6 +333,10 @@ impl Cloth {
                 let step = engine::Step { dt, gravity: *gravity, masses: inner_masses, mass: *mass, pins, around };
                 report.substeps += 1;
                 engine.step(step, state, report)?;
+                if let Some(watch) = watch.as_mut().filter(|_| remaining > 1) {
+                    let inner = ordering.inner.iter();
+                    watch(share(done + 1), &inner.map(|&vertex| state.positions[vertex as usize]).collect::<Vec<_>>());
+                }
                 if remaining > 1 && !colliders.is_empty() {
                     let contacts = engine.contacts(colliders).into_iter();
                     earlier_contacts.extend(contacts.map(|contact| contact.scaled(share(1))));

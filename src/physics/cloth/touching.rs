@@ -25,7 +25,7 @@ const MOST_CONTACT_STEPS: u32 = 8;
 
 /// How much further a collider may push a vertex in a substep than one beside it, in sides of triangles: what is pushed on alone is
 /// torn about.
-const LEAP: f64 = 0.5;
+const LEAP: f64 = 0.7;
 /// Substeps, at most, that an impact is taken in.
 const MOST_PIECES: u32 = 16;
 /// After so many substeps there are half as many at least: what was hit is still fast.

@@ -40,6 +40,15 @@ pub(super) struct Faces {
     pub longest: f64,
 }
 
+impl Faces {
+    /// Length of the longest side with the vertices at these places, m.
+    pub fn longest_at(&self, x: &[DVec3]) -> f64 {
+        let corners = self.triangles.iter().map(|triangle| triangle.map(|vertex| x[vertex as usize]));
+        let squares = corners.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[a, b]| a.distance_squared(b));
+        squares.fold(0.0, f64::max).sqrt()
+    }
+}
+
 /// A cloth on its way among colliders.
 #[derive(Clone, Copy)]
 pub(super) struct Scene<'a> {

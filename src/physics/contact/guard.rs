@@ -86,7 +86,8 @@ impl ContactLayer {
             let body = Body::new(collider, around.from, around.to);
             let between = || touches.iter().any(|touch| touch.collider == index && touch.feature != SURFACE);
             let bulging = if body.roundness().is_some() {
-                body.bulge(find::MOST_STRETCHED * faces.longest) > most
+                let bulges = |side| body.bulge(side) > most;
+                bulges(find::MOST_STRETCHED * faces.longest) && bulges(faces.longest_at(end))
             } else {
                 !around.is_whole() || between()
             };
