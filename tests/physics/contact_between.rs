@@ -96,6 +96,60 @@ fn a_step_is_taken_in_pieces_while_something_comes_in_fast() {
     assert_eq!(step(&mut cloth, &[]), 1);
 }
 
+/// How far a collider pushes counts by what it pushes beside: what lands as a whole is not torn.
+#[test]
+fn a_fast_landing_is_taken_in_pieces_where_it_would_tear() {
+    let substeps = |shape: SharedShape, height: f64| {
+        let mut cloth = sheet(17, 0.4, DVec3::Y * height);
+        let count = cloth.positions().len();
+        let positions = cloth.positions().to_vec();
+        cloth.set_state(&positions, &vec![DVec3::Y * -10.0; count]);
+        step(&mut cloth, &[Collider::fixed(1, shape, Pose::IDENTITY, 0.5)])
+    };
+    assert_eq!(substeps(SharedShape::halfspace(Vec3::Y), 0.05), 1);
+    assert!(substeps(SharedShape::ball(0.1), 0.15) > 1);
+}
+
+/// Vertices kept off, its coarse triangles were pressed a quarter of a side into the ball.
+#[test]
+fn a_ball_at_fifty_metres_a_second_stays_on_its_side_of_triangles_too() {
+    let radius = 0.1;
+    let mut cloth = sheet(24, 1.0, DVec3::ZERO);
+    let border = |x: f64| x.abs() > 0.499;
+    for (vertex, x) in (0..).zip(cloth.positions().to_vec()) {
+        if border(x.x) || border(x.z) {
+            cloth.pin(vertex, x);
+        }
+    }
+    let place = |step: u32| Pose::at(DVec3::Y * (50.0 * DT * f64::from(step) - 0.5).min(0.3));
+    for i in 0..20 {
+        let ball = Collider { end: place(i + 1), ..Collider::fixed(1, SharedShape::ball(radius), place(i), 0.5) };
+        step(&mut cloth, core::slice::from_ref(&ball));
+        let out = |x: DVec3| x.distance(place(i + 1).translation) - f64::from(radius);
+        let vertices = cloth.positions().iter().copied().map(out).fold(f64::INFINITY, f64::min);
+        let middles =
+            triangles(&cloth).flat_map(|[a, b, c]| [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]);
+        let faces = middles.map(out).fold(f64::INFINITY, f64::min);
+        assert!(vertices > -1e-6 && faces > -0.003, "{i}: {vertices} {faces}");
+    }
+}
+
+#[test]
+fn a_watched_step_is_the_same_and_tells_of_its_pieces() {
+    let ways = [-0.2, -0.04].map(|y| Pose::at(DVec3::Y * y));
+    let ball = Collider { end: ways[1], ..Collider::fixed(1, SharedShape::ball(0.1), ways[0], 0.5) };
+    let (mut watched, mut other) = (sheet(9, 0.4, DVec3::ZERO), sheet(9, 0.4, DVec3::ZERO));
+    let mut told = Vec::new();
+    watched.set_colliders([ball.clone()]);
+    let report = watched.step_watched(DT, Some(&mut |share, x| told.push((share, x[40].y))));
+    assert_eq!(step(&mut other, &[ball]), report.substeps);
+    assert_eq!(watched.positions(), other.positions());
+    let shares: Vec<_> = (1..report.substeps).map(|i| f64::from(i) / f64::from(report.substeps)).collect();
+    assert!(!shares.is_empty() && told.iter().map(|&(share, _)| share).eq(shares), "{told:?}");
+    // The vertex in the middle is pushed up on and on, and ends above where it was told of last.
+    assert!(told.is_sorted_by(|a, b| a.1 <= b.1) && told[told.len() - 1].1 < watched.positions()[40].y, "{told:?}");
+}
+
 /// The side that goes up over the rod is not kept from it by gravity, which pulls the other way.
 #[test]
 fn a_strip_slides_off_a_rod_towards_its_longer_side() {

@@ -210,12 +210,7 @@ impl<T: Scalar> Implicit<T> {
             // What a truncated solve does to the spin of a cloth, nothing else takes back.
             target.relative *= FREE_TOLERANCE;
         }
-        let a = &mut system.matrix;
-        let solved = if guess == Guess::Point && touching {
-            solver.solve_again(a, &system.rhs, solution, target)?
-        } else {
-            solver.solve(a, &system.rhs, solution, target)?
-        };
+        let solved = solver.solve(&mut system.matrix, &system.rhs, solution, target)?;
         report.iterations += solved.iterations;
         report.preconditioner += solved.preparation;
         let (d, drift) = (&solution[..], implicit.drift);

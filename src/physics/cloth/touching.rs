@@ -30,8 +30,10 @@ const LEAP: f64 = 0.7;
 const MOST_PIECES: u32 = 16;
 /// After so many substeps there are half as many at least: what was hit is still fast.
 const MANY_PIECES: u32 = 8;
-/// Where so many vertices had to be rescued in a step, there are twice as many substeps in the next: they were too long.
+/// Where so many vertices had to be rescued in a step, it was too long: the next is taken in twice as many substeps, up to a few, as what
+/// is crushed for long is rescued for long.
 const MANY_RESCUES: u32 = 5;
+const RESCUE_PIECES: u32 = 4;
 
 /// How the last step went.
 #[derive(Clone, Copy)]
@@ -47,11 +49,9 @@ impl Impact {
 
     /// Substeps of the next step at least.
     fn pieces_after(self) -> u32 {
-        match self {
-            Self { rescues: MANY_RESCUES.., pieces } => 2 * pieces,
-            Self { pieces: pieces @ MANY_PIECES.., .. } => pieces / 2,
-            _ => 1,
-        }
+        let calming = if self.pieces >= MANY_PIECES { self.pieces / 2 } else { 1 };
+        let shorter = if self.rescues >= MANY_RESCUES { RESCUE_PIECES.min(2 * self.pieces) } else { 1 };
+        calming.max(shorter)
     }
 }
 
@@ -162,5 +162,18 @@ impl<T: Scalar> Implicit<T> {
         let rescues = contact.guard(&step.around, &moving(&step, state), positions, velocities);
         self.impact.rescues += rescues;
         rescues
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_grow_while_vertices_are_rescued_and_fall_off_after_an_impact() {
+        let after = |pieces, rescues| Impact { pieces, rescues }.pieces_after();
+        assert_eq!([1, 2, 4, 4], [(1, 4), (1, 5), (2, 9), (4, 100)].map(|(pieces, rescues)| after(pieces, rescues)));
+        assert_eq!([1, 4, 6, 8], [(7, 0), (8, 0), (13, 9), (16, 0)].map(|(pieces, rescues)| after(pieces, rescues)));
+        assert_eq!(Impact::NONE.pieces_after(), 1);
     }
 }

@@ -1,7 +1,5 @@
 //! Preconditioned conjugate gradients (Hestenes & Stiefel 1952; Saad 2003, algorithm 9.1).
 
-use core::time::Duration;
-
 use bevy::platform::time::Instant;
 
 use super::{BlockJacobi, LinearSolver, Preconditioner, SolveError, Solved, Target};
@@ -44,38 +42,13 @@ impl<T: Scalar, P: Preconditioner<T>> LinearSolver<T> for ConjugateGradient<T, P
         d: &mut [Padded<T>],
         target: Target,
     ) -> Result<Solved, SolveError> {
-        let start = Instant::now();
-        self.preconditioner.update(a);
-        a.interleave();
-        self.iterate(a, b, d, target, start.elapsed())
-    }
-
-    fn solve_again(
-        &mut self,
-        a: &mut BlockCsr<T>,
-        b: &[Padded<T>],
-        d: &mut [Padded<T>],
-        target: Target,
-    ) -> Result<Solved, SolveError> {
-        let start = Instant::now();
-        self.preconditioner.refresh(a);
-        a.interleave();
-        self.iterate(a, b, d, target, start.elapsed())
-    }
-}
-
-impl<T: Scalar, P: Preconditioner<T>> ConjugateGradient<T, P> {
-    /// Solves with the preconditioner as it is, whose preparation took so long.
-    fn iterate(
-        &mut self,
-        a: &BlockCsr<T>,
-        b: &[Padded<T>],
-        d: &mut [Padded<T>],
-        target: Target,
-        preparation: Duration,
-    ) -> Result<Solved, SolveError> {
         let Self { preconditioner, max_iterations, residual, preconditioned, direction, product } = self;
         let mut vectors = Vectors { r: residual, z: preconditioned, p: direction, ap: product };
+        let start = Instant::now();
+        preconditioner.update(a);
+        a.interleave();
+        let preparation = start.elapsed();
+        let a = &*a;
         let solved = match vectors.iterate(a, b, d, target, preconditioner, *max_iterations) {
             Err(Breakdown::Preconditioner { iterations }) => {
                 let mut jacobi = BlockJacobi::new(b.len());

@@ -74,20 +74,6 @@ pub trait LinearSolver<T: Scalar>: Send + Sync {
         d: &mut [Padded<T>],
         target: Target,
     ) -> Result<Solved, SolveError>;
-
-    /// The same where A differs little from that of the last solve: what was prepared for that may serve again.
-    ///
-    /// # Errors
-    /// As [`Self::solve`].
-    fn solve_again(
-        &mut self,
-        a: &mut BlockCsr<T>,
-        b: &[Padded<T>],
-        d: &mut [Padded<T>],
-        target: Target,
-    ) -> Result<Solved, SolveError> {
-        self.solve(a, b, d, target)
-    }
 }
 
 /// The solver of this kind for matrices of this pattern.

@@ -7,11 +7,6 @@ use crate::physics::math::{Kernel, M3, Padded, Scalar, dispatch};
 pub trait Preconditioner<T: Scalar>: Send + Sync {
     /// Adapts to a new matrix of the same pattern, not yet interleaved.
     fn update(&mut self, a: &BlockCsr<T>);
-
-    /// The same where A differs little from the last: what would cost much may stay as it is.
-    fn refresh(&mut self, a: &BlockCsr<T>) {
-        self.update(a);
-    }
     /// `z = P⁻¹ r`, for the matrix that it was last adapted to, now interleaved; returns rᵀ z.
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
 }
@@ -19,10 +14,6 @@ pub trait Preconditioner<T: Scalar>: Send + Sync {
 impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
     fn update(&mut self, a: &BlockCsr<T>) {
         (**self).update(a);
-    }
-
-    fn refresh(&mut self, a: &BlockCsr<T>) {
-        (**self).refresh(a);
     }
 
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {

@@ -140,14 +140,6 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
         }
     }
 
-    fn refresh(&mut self, a: &BlockCsr<T>) {
-        // What changed at single vertices is smoothed out on the finest level. Those below stay.
-        match self.levels.first_mut() {
-            Some(finest) => finest.smoother.update(a),
-            None => self.update(a),
-        }
-    }
-
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         cycle(&mut self.levels, &mut self.factor, a, r, z)
     }
