@@ -14,7 +14,7 @@ pub mod solve;
 
 pub use cloth::{
     Cloth, ClothFault, Energy, Integrator, Precision, Quality, SettingsError, SolverSettings, StepOutcome, StepReport,
-    Stretch,
+    Stretch, Watch,
 };
 pub use contact::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub use material::{Fabric, MaterialError};

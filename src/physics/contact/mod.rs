@@ -3,7 +3,8 @@
 //! [`Collider`] (a shape that moves from one pose to another), and its corners and edges (`features`) → which vertices and triangles
 //! come near it (`detect`, `find`) → where a vertex meets its surface (`surface`, `meeting`) and a triangle what is between its
 //! vertices (`between`) → a `Touch` that begins with what is remembered of it (`begin`, `memory`), with its law of force (`touch`) →
-//! one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each, judged after every solve (`layer`).
+//! one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each, judged after every solve (`layer`); what ends inside all the same
+//! is moved out (`guard`).
 
 mod begin;
 mod between;
