@@ -110,7 +110,7 @@ fn a_fast_landing_is_taken_in_pieces_where_it_would_tear() {
     assert!(substeps(SharedShape::ball(0.1), 0.15) > 1);
 }
 
-/// Vertices kept off, its coarse triangles were pressed a quarter of a side into the ball.
+/// Its vertices kept off, but its coarse triangles were pressed into the ball.
 #[test]
 fn a_ball_at_fifty_metres_a_second_stays_on_its_side_of_triangles_too() {
     let radius = 0.1;

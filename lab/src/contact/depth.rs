@@ -83,8 +83,8 @@ fn out_of([a, b, c]: [DVec3; 3], corner: DVec3, middle: DVec3) -> Option<f64> {
 pub fn passed([before, after]: [&[DVec3]; 2], bodies: &[Body], [start, end]: [f64; 2], [done, then]: [f64; 2]) -> u32 {
     let mut passed = 0;
     for body in bodies {
-        let way = |share| body.pose(start).towards(&body.pose(end), share);
-        let (from, to, core) = (way(done), way(then), body.solid.core());
+        let pose = |share| body.pose(start).towards(&body.pose(end), share);
+        let (from, to, core) = (pose(done), pose(then), body.solid.core());
         for (&x, &y) in before.iter().zip(after) {
             let (distance, carried) = (body.solid.distance(from.local(x)), to.place(from.local(x)));
             // A turning body moves on an arc, which is longer than its chord.

@@ -99,11 +99,11 @@ impl ContactLayer {
                 features.iter().position(|(s, _): &(SharedShape, Features)| Arc::ptr_eq(&s.0, &collider.shape.0))
             };
             let known = same(&self.features).unwrap_or_else(|| {
-                let of_shape = match same(&before) {
+                let its = match same(&before) {
                     Some(known) => before.swap_remove(known),
                     None => (collider.shape.clone(), Features::new(&collider.shape)),
                 };
-                self.features.push(of_shape);
+                self.features.push(its);
                 self.features.len() - 1
             });
             let Self { faces, near, room, features, nearby: Nearby { free, .. }, .. } = self;

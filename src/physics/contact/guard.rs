@@ -18,6 +18,14 @@ const INSIDE: f64 = 0.5;
 /// Times that it is looked for: what is moved out moves what is beside it.
 const LOOKS: u32 = 2;
 
+/// Where a step has led.
+struct Ended<'a> {
+    /// m.
+    x: &'a mut [DVec3],
+    /// m/s.
+    v: &'a mut [DVec3],
+}
+
 impl ContactLayer {
     /// Moves out what ended inside a collider, and stops it there. Says how many vertices that were.
     pub fn guard(
@@ -30,20 +38,16 @@ impl ContactLayer {
         if around.colliders.is_empty() {
             return 0;
         }
-        let mut rescued = self.guard_vertices(around, moving, end, velocities);
-        if self.guard_between(around, moving, end, velocities) {
-            rescued += self.guard_vertices(around, moving, end, velocities);
+        let mut ended = Ended { x: end, v: velocities };
+        let mut rescued = self.guard_vertices(around, moving, &mut ended);
+        if self.guard_between(around, moving, &mut ended) {
+            rescued += self.guard_vertices(around, moving, &mut ended);
         }
         rescued
     }
 
-    fn guard_vertices(
-        &mut self,
-        around: &Surroundings,
-        moving: &Moving,
-        end: &mut [DVec3],
-        velocities: &mut [DVec3],
-    ) -> u32 {
+    fn guard_vertices(&mut self, around: &Surroundings, moving: &Moving, ended: &mut Ended) -> u32 {
+        let Ended { x: end, v: velocities } = ended;
         let mut rescued = 0;
         let furthest = self.look_astray(|vertex| end[vertex]);
         let bodies = self.bodies(around, furthest);
@@ -71,40 +75,36 @@ impl ContactLayer {
     }
 
     /// The same between vertices, of what has corners or edges there. Says whether there was anything.
-    fn guard_between(
-        &mut self,
-        around: &Surroundings,
-        moving: &Moving,
-        end: &mut [DVec3],
-        velocities: &mut [DVec3],
-    ) -> bool {
+    fn guard_between(&mut self, around: &Surroundings, moving: &Moving, ended: &mut Ended) -> bool {
         let Self { faces, near, nearby, features, found, touches, .. } = self;
         let most = INSIDE * around.settings.thickness;
         let mut any = false;
         for &index in &nearby.colliders {
             let collider = &around.colliders[index as usize];
+            let Some(features) = of_shape(features, &collider.shape) else { continue };
             let body = Body::new(collider, around.from, around.to);
-            let between = || touches.iter().any(|touch| touch.collider == index && touch.feature != SURFACE);
-            let bulging = if body.roundness().is_some() {
+            let may_be_inside = if body.roundness().is_some() {
                 let bulges = |side| body.bulge(side) > most;
-                bulges(find::MOST_STRETCHED * faces.longest) && bulges(faces.longest_at(end))
+                bulges(find::MOST_STRETCHED * faces.longest) && bulges(faces.longest_at(ended.x))
             } else {
-                !around.is_whole() || between()
+                !around.is_whole() || touches.iter().any(|touch| touch.collider == index && touch.feature != SURFACE)
             };
-            let Some(features) = of_shape(features, &collider.shape).filter(|_| bulging) else { continue };
+            if !may_be_inside {
+                continue;
+            }
             // As it is at the end: which way it came is of no account any more.
             let last = collider.start.towards(&collider.end, around.to);
             let still = Collider { start: last, end: last, ..collider.clone() };
             let there = Body::new(&still, 0.0, 1.0);
             for _ in 0..LOOKS {
-                let ended = Moving { x: end, v: velocities, ..*moving };
-                let scene = Scene { around, moving: &ended, faces };
-                find::ending(&there, scene, near, |vertex| end[vertex]);
+                let resting = Moving { x: ended.x, v: ended.v, ..*moving };
+                let scene = Scene { around, moving: &resting, faces };
+                find::ending(&there, scene, near, |vertex| resting.x[vertex]);
                 find::between(&there, features, scene, near, most, |place| found.push(place));
                 find::distinct(found);
                 let mut moved = false;
                 for place in found.drain(..) {
-                    moved |= move_out(&place, most, &body, moving, end, velocities);
+                    moved |= ended.move_out(&place, most, &body, moving);
                 }
                 any |= moved;
                 if !moved {
@@ -116,31 +116,26 @@ impl ContactLayer {
     }
 }
 
-/// Moves a place of the cloth out that is inside by more than `most` (m); says whether it was.
-fn move_out(
-    place: &Found,
-    most: f64,
-    body: &Body,
-    moving: &Moving,
-    end: &mut [DVec3],
-    velocities: &mut [DVec3],
-) -> bool {
-    let Found { vertices, weights, meeting: Meeting { normal, surface, .. }, .. } = *place;
-    let corners = vertices.map(|vertex| vertex as usize).into_iter().zip(weights);
-    let of = |points: &[DVec3]| corners.clone().map(|(vertex, weight)| weight * points[vertex]).sum::<DVec3>();
-    let (x, v) = (of(end), of(velocities));
-    let free = corners.clone().filter(|&(vertex, _)| !moving.held[vertex]);
-    let square: f64 = free.clone().map(|(_, weight)| weight * weight).sum();
-    let deep = surface - normal.dot(x) - most;
-    if deep <= 0.0 || square == 0.0 {
-        return false;
+impl Ended<'_> {
+    /// Moves a place of the cloth out that is inside by more than `most` (m); says whether it was.
+    fn move_out(&mut self, place: &Found, most: f64, body: &Body, moving: &Moving) -> bool {
+        let Found { vertices, weights, meeting: Meeting { normal, surface, .. }, .. } = *place;
+        let corners = vertices.map(|vertex| vertex as usize).into_iter().zip(weights);
+        let of = |points: &[DVec3]| corners.clone().map(|(vertex, weight)| weight * points[vertex]).sum::<DVec3>();
+        let (x, v) = (of(self.x), of(self.v));
+        let free = corners.clone().filter(|&(vertex, _)| !moving.held[vertex]);
+        let square: f64 = free.clone().map(|(_, weight)| weight * weight).sum();
+        let deep = surface - normal.dot(x) - most;
+        if deep <= 0.0 || square == 0.0 {
+            return false;
+        }
+        let inwards = normal.dot(v - body.velocity(x, moving.dt)).min(0.0);
+        for (vertex, weight) in free {
+            self.x[vertex] += weight / square * deep * normal;
+            self.v[vertex] -= weight / square * inwards * normal;
+        }
+        true
     }
-    let inwards = normal.dot(v - body.velocity(x, moving.dt)).min(0.0);
-    for (vertex, weight) in free {
-        end[vertex] += weight / square * deep * normal;
-        velocities[vertex] -= weight / square * inwards * normal;
-    }
-    true
 }
 
 /// The meeting of a point that goes from `x` to `end` with a collider that it ends inside of.
