@@ -59,9 +59,9 @@ pub mod prelude {
     pub use crate::plugin::{
         ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
         ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
-        ClothGravity, ClothImportance, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider, ClothMeshShape,
-        ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError, ClothSolver, ClothState,
-        ClothSystems, ClothTouch, PinChannel, PinRule, PinVertex,
+        ClothGravity, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
+        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError, ClothSolver,
+        ClothState, ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

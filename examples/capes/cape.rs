@@ -1,6 +1,5 @@
 //! A cape, held along a collar.
 
-use crate::figure::JUMP;
 use bevy::prelude::*;
 use bevy_cloth::{physics::Fabric, prelude::*};
 use example_common::{
@@ -46,7 +45,7 @@ impl Cape {
             look,
             Transform::default(),
             ChildOf(figure),
-            ClothMesh { teleport_distance: JUMP, ..default() },
+            ClothMesh::default(),
             ClothMaterial(fabric),
             ClothPins::where_position(|place| place.y > COLLAR - 1e-3),
         ));

@@ -5,25 +5,27 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
 use super::budget::{Keeper, following};
-use super::components::{ClothDisabled, ClothGravity, ClothMesh, ClothPinTargets};
+use super::components::{ClothDisabled, ClothGravity, ClothPinTargets};
 use super::contact::ClothContact;
 use super::error::ClothError;
+use super::inertia::ClothInertia;
 use super::material::ClothMaterial;
+use super::motion::{Place, Places};
 use super::pins::ClothPins;
 use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
-use super::state::{ClothState, representatives, rest_shape, same_scale, usable};
+use super::state::{ClothState, representatives, rest_shape};
 use crate::physics::{Cloth, ContactSettings};
 
 type Described<'a> = (
     Entity,
     &'a mut ClothState,
-    &'a ClothMesh,
     Option<&'a ClothMaterial>,
     Option<&'a ClothSolver>,
     Option<&'a ClothQuality>,
     Option<&'a ClothContact>,
     Option<Ref<'a, ClothPins>>,
     Option<&'a ClothPinTargets>,
+    Option<&'a ClothInertia>,
     Has<ClothDisabled>,
     &'a GlobalTransform,
 );
@@ -33,12 +35,14 @@ pub(super) fn collect(
     gravity: Res<ClothGravity>,
     default_quality: Res<ClothDefaultQuality>,
     meshes: Res<Assets<Mesh>>,
-    transforms: TransformHelper,
+    time: Res<Time>,
+    mut places: Places,
     mut keeper: ResMut<Keeper>,
     mut cloths: Query<Described>,
 ) {
     let start = Instant::now();
-    for (entity, mut state, cloth_mesh, material, solver, quality, contact, pins, targets, disabled, propagated) in
+    let dt = time.delta_secs_f64();
+    for (entity, mut state, material, solver, quality, contact, pins, targets, inertia, disabled, propagated) in
         &mut cloths
     {
         let state = &mut *state;
@@ -47,15 +51,17 @@ pub(super) fn collect(
         state.collect_material(material, gravity.as_dvec3());
         state.collect_contact(contact);
         state.collect_pin_rules(pins, &meshes);
+        state.collect_inertia(inertia);
         if disabled {
             state.suspended = true;
             continue;
         }
-        // The transform as it is now, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
-        let transform = transforms.compute_global_transform(entity).unwrap_or(*propagated);
-        state.collect_transform(&transform, cloth_mesh.teleport_distance.into());
+        // The transform at the time of the tick, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
+        let place = places.of(entity).unwrap_or(Place::only(*propagated));
+        let limits = state.limits;
+        state.follow(&place, &limits, dt);
         if !state.suspended && state.pace.is_due() {
-            state.place_pins(targets);
+            state.place_pins(targets, places.times(), &limits, state.pace.pending + dt);
         }
     }
     keeper.tick = keeper.tick.wrapping_add(1);
@@ -121,30 +127,17 @@ impl ClothState {
         self.faults.pins = resolved.map(|pins| self.pins = pins).err();
     }
 
-    /// Takes over the transform of the entity: followed by the pins, or carried to at once after a jump. Without a usable
-    /// one the cloth waits.
-    fn collect_transform(&mut self, transform: &GlobalTransform, teleport_distance: f64) {
-        let followed = usable(transform).and_then(|anchor| {
-            let centre = self.binding.centre;
-            let moved = anchor.transform_point3(centre).distance(self.seen_anchor.transform_point3(centre));
-            self.seen_anchor = anchor;
-            if !same_scale(self.binding.rest_linear, anchor.matrix3) {
-                return self.rescale_to(anchor);
-            }
-            if self.suspended || moved > teleport_distance {
-                self.carry_to(anchor);
-            } else if self.pace.is_due() {
-                self.previous_anchor = self.anchor;
-                self.anchor = anchor;
-            }
-            Ok(())
-        });
-        self.suspended = followed.is_err();
-        self.faults.transform = followed.err();
+    /// Keeps the limits there are if the new ones are wrong.
+    fn collect_inertia(&mut self, inertia: Option<&ClothInertia>) {
+        self.faults.inertia = None;
+        match inertia.copied().unwrap_or_default().limits() {
+            Ok(limits) => self.limits = limits,
+            Err(error) => self.faults.inertia = Some(error),
+        }
     }
 
     /// Measures the rest shape again under a transform of another scale, and keeps the deformation.
-    fn rescale_to(&mut self, anchor: DAffine3) -> Result<(), ClothError> {
+    pub(super) fn rescale_to(&mut self, anchor: DAffine3) -> Result<(), ClothError> {
         let Self { cloth: old, binding, .. } = self;
         let shape = rest_shape(&binding.mesh, anchor.matrix3, &binding.options)?;
         let representatives = representatives(&shape);
@@ -165,28 +158,5 @@ impl ClothState {
             self.rest_at(anchor);
         }
         Ok(())
-    }
-
-    /// Tells the physics where held vertices are to be at the end of the step.
-    fn place_pins(&mut self, targets: Option<&ClothPinTargets>) {
-        let Self { cloth, binding, pins, anchor, .. } = self;
-        cloth.clear_pins();
-        for &vertex in &*pins {
-            if let Some(simulated) = cloth.shape().simulated[vertex as usize] {
-                let local = binding.local(binding.representatives[simulated as usize]);
-                cloth.pin(simulated, anchor.transform_point3(local));
-            }
-        }
-        self.faults.pin_targets = None;
-        for (&vertex, place) in targets.iter().flat_map(|targets| &targets.0) {
-            let count = binding.mesh.positions.len() as u32;
-            if vertex >= count {
-                self.faults.pin_targets = Some(ClothError::PinTargetIndex { vertex, count });
-            } else if !place.is_finite() {
-                self.faults.pin_targets = Some(ClothError::PinTargetNotFinite { vertex });
-            } else if let Some(simulated) = cloth.shape().simulated[vertex as usize] {
-                cloth.pin(simulated, anchor.transform_point3(place.as_dvec3()));
-            }
-        }
     }
 }

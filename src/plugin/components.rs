@@ -12,8 +12,8 @@ use crate::physics::{BendingModel, RestShapeOptions};
 /// Makes the mesh of this entity's [`Mesh3d`] cloth.
 ///
 /// The mesh as it stands, scaled by the entity's transform, is the undeformed cloth. The entity gets a copy of its own,
-/// so several cloths may share a mesh handle. Changing any field but [`ClothMesh::teleport_distance`] builds the cloth
-/// again, at rest. Removing the component ends the simulation and leaves the mesh as it was draped; trigger
+/// so several cloths may share a mesh handle. Changing any field builds the cloth again, at rest.
+/// Removing the component ends the simulation and leaves the mesh as it was draped; trigger
 /// [`ClothReset`](super::ClothReset) first, or set [`Mesh3d`] to
 /// [`ClothState::source_mesh`](super::ClothState::source_mesh), to have it undeformed. Added again, it takes the
 /// mesh as it then is for the undeformed one.
@@ -33,9 +33,6 @@ pub struct ClothMesh {
     pub rest_flat: bool,
     /// How it bends: the rigidity of the fabric whatever the mesh, or at the least cost.
     pub bending: BendingModel,
-    /// A pinned or free cloth whose transform moves it further than this in one step is carried along as it is, with its
-    /// folds, instead of being dragged, m. Infinity: never.
-    pub teleport_distance: f32,
 }
 
 impl Default for ClothMesh {
@@ -46,7 +43,6 @@ impl Default for ClothMesh {
             warp_angle: 0.0,
             rest_flat: false,
             bending: BendingModel::default(),
-            teleport_distance: 2.0,
         }
     }
 }
@@ -58,7 +54,6 @@ impl ClothMesh {
         let fields = [
             ("weld_distance", self.weld_distance.is_none_or(distance)),
             ("warp_angle", self.warp_angle.is_finite()),
-            ("teleport_distance", self.teleport_distance >= 0.0),
         ];
         match fields.into_iter().find(|(_, valid)| !valid) {
             Some((field, _)) => Err(ClothError::Description { field }),

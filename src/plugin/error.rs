@@ -91,6 +91,14 @@ pub enum ClothError {
     /// How it meets colliders cannot be.
     #[error("`ClothContact`: {0}")]
     Contact(#[from] ContactSettingsError),
+    /// A field of [`ClothInertia`](super::ClothInertia) is NaN or negative.
+    #[error("`ClothInertia::{field}` is {value}: it must be a number that is not negative")]
+    Inertia {
+        /// The field.
+        field: &'static str,
+        /// What it is.
+        value: String,
+    },
     /// The transform is not finite, or squashes the cloth.
     #[error("the transform of the entity is not finite or has a scale of zero: the cloth waits until it is usable")]
     Transform,
@@ -121,6 +129,7 @@ pub(super) struct Faults {
     pub material: Option<ClothError>,
     pub solver: Option<ClothError>,
     pub contact: Option<ClothError>,
+    pub inertia: Option<ClothError>,
     pub pins: Option<ClothError>,
     pub pin_targets: Option<ClothError>,
     pub diverged: Option<ClothError>,
@@ -135,6 +144,7 @@ impl Faults {
             &self.material,
             &self.solver,
             &self.contact,
+            &self.inertia,
             &self.pins,
             &self.pin_targets,
             &self.diverged,

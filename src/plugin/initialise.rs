@@ -5,7 +5,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::ecs::name::NameOrEntityItem;
 use bevy::ecs::query::QueryData;
-use bevy::math::DVec3;
+use bevy::math::{DAffine3, DVec3};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
@@ -14,6 +14,8 @@ use super::budget::Share;
 use super::components::ClothMesh;
 use super::error::{ClothError, Faults, report};
 use super::material::ClothMaterial;
+use super::follow::Follower;
+use super::inertia::ClothInertia;
 use super::mesh_io::{SourceMesh, own_copy};
 use super::pace::Pace;
 use super::pins::ClothPins;
@@ -156,13 +158,19 @@ impl CandidateItem<'_, '_> {
         let normals: Vec<[f32; 3]> = shading.rest_normals.iter().map(|n| n.to_array()).collect();
         let copy = own_copy(asset, &normals);
         let representatives = representatives(&shape);
-        let centre = representatives.iter().map(|&v| mesh.positions[v as usize].as_dvec3()).sum::<DVec3>()
-            / representatives.len() as f64;
+        let places = representatives.iter().map(|&v| mesh.positions[v as usize].as_dvec3());
+        let bounds = places.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
         let aabb = Aabb::enclosing(&mesh.positions).unwrap_or_default();
         let shown = Shown {
             positions: mesh.positions.clone(),
             normals,
-            from: Some(ShownFrom { revision: 0, alpha: 1.0, frame: anchor.inverse() }),
+            from: Some(ShownFrom {
+                revision: 0,
+                alpha: 1.0,
+                frame: anchor.inverse(),
+                obstacles: Vec::new(),
+                drawn: DAffine3::IDENTITY,
+            }),
         };
         let mut binding = Binding {
             source,
@@ -172,7 +180,7 @@ impl CandidateItem<'_, '_> {
             shading,
             representatives,
             rest_linear: anchor.matrix3,
-            centre,
+            bounds,
             fresh: true,
         };
         let positions = binding.rest_positions(anchor);
@@ -192,6 +200,10 @@ impl CandidateItem<'_, '_> {
             anchor,
             previous_anchor: anchor,
             seen_anchor: anchor,
+            limits: ClothInertia::default().limits()?,
+            follower: Follower::default(),
+            placed: true,
+            met: Vec::new(),
             pace: Pace::default(),
             quality: self.solver.is_none().then_some(quality),
             share: Share::default(),

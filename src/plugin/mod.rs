@@ -30,11 +30,15 @@ mod contact;
 mod debug;
 mod diagnostics;
 mod error;
+mod follow;
+mod inertia;
 mod initialise;
 mod lifecycle;
 mod material;
 mod mesh_io;
+mod motion;
 mod pace;
+mod picture;
 mod pins;
 mod quality;
 mod shading;
@@ -42,7 +46,9 @@ mod state;
 mod step;
 mod write_back;
 
-use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate};
+use bevy::app::{
+    FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, RunFixedMainLoop, RunFixedMainLoopSystems,
+};
 use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
@@ -62,8 +68,10 @@ pub use contact::{
 pub use debug::{ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::ClothError;
+pub use inertia::ClothInertia;
 pub use lifecycle::ClothReset;
 pub use material::ClothMaterial;
+pub use motion::ClothTeleport;
 pub use pins::{ATTRIBUTE_CLOTH_PIN, ClothPins, PinChannel, PinRule, PinVertex};
 pub use quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 pub use state::ClothState;
@@ -142,6 +150,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothBudgetReport>()
             .init_resource::<budget::Keeper>()
             .init_resource::<contact::Surroundings>()
+            .insert_resource(motion::Motions::new(self.is_fixed()))
             .insert_resource(write_back::Interpolate(self.interpolate && self.is_fixed()))
             .configure_sets(self.schedule, (ClothSystems::Collect, ClothSystems::Step).chain())
             .configure_sets(
@@ -156,6 +165,7 @@ impl Plugin for ClothPlugin {
                 self.schedule,
                 (
                     (
+                        motion::begin_tick,
                         budget::plan.run_if(resource_exists::<ClothBudget>),
                         budget::release.run_if(budget::is_left_over),
                         collect::collect,
@@ -168,6 +178,20 @@ impl Plugin for ClothPlugin {
                         .chain()
                         .in_set(ClothSystems::Step)
                         .run_if(time_passes),
+                ),
+            )
+            .add_systems(
+                RunFixedMainLoop,
+                (
+                    (motion::before_ticks, follow::note_targets)
+                        .chain()
+                        .after(RunFixedMainLoopSystems::BeforeFixedMainLoop)
+                        .before(RunFixedMainLoopSystems::FixedMainLoop),
+                    // Before what eases transforms for the eye.
+                    (motion::after_ticks, follow::note_targets_of_ticks)
+                        .chain()
+                        .after(RunFixedMainLoopSystems::FixedMainLoop)
+                        .before(RunFixedMainLoopSystems::AfterFixedMainLoop),
                 ),
             )
             .add_systems(
@@ -186,6 +210,7 @@ impl Plugin for ClothPlugin {
                 ),
             )
             .add_observer(lifecycle::reset)
+            .add_observer(motion::teleport)
             .add_observer(lifecycle::end)
             .add_observer(contact::end)
             .add_observer(contact::end_mesh)
@@ -209,7 +234,9 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothDisabled>()
             .register_type::<ClothError>()
             .register_type::<ClothGravity>()
-            .register_type::<ClothReset>();
+            .register_type::<ClothInertia>()
+            .register_type::<ClothReset>()
+            .register_type::<ClothTeleport>();
         #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
         app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
         #[cfg(feature = "avian3d")]

@@ -6,9 +6,13 @@ use bevy::math::{DAffine3, DMat3, DVec3};
 use bevy::prelude::*;
 
 use super::budget::{Rung, Share};
+use super::contact::Met;
 use super::error::{ClothError, Faults};
+use super::follow::{Carried, Follower};
 use super::mesh_io::SourceMesh;
+use super::motion::Limits;
 use super::pace::Pace;
+use super::picture::Obstacle;
 use super::quality::ClothQuality;
 use super::shading::Shading;
 use crate::physics::{Cloth, MeshError, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
@@ -29,6 +33,14 @@ pub struct ClothState {
     pub(super) previous_anchor: DAffine3,
     /// Its transform in the last tick, in which there may have been no step.
     pub(super) seen_anchor: DAffine3,
+    /// See [`ClothInertia`](super::ClothInertia).
+    pub(super) limits: Limits,
+    /// What it felt of that motion, and what is held where.
+    pub(super) follower: Follower,
+    /// Put where its entity was drawn, which is not where a tick sees it.
+    pub(super) placed: bool,
+    /// What it may have touched in the last step.
+    pub(super) met: Vec<Met>,
     pub(super) pace: Pace,
     /// The level it is solved at; `None` with settings given one by one.
     pub(super) quality: Option<ClothQuality>,
@@ -58,8 +70,8 @@ pub(super) struct Binding {
     pub representatives: Vec<u32>,
     /// Linear part of the transform that the rest shape was measured with.
     pub rest_linear: DMat3,
-    /// Mean of the rest positions in the space of the mesh.
-    pub centre: DVec3,
+    /// Box around the rest positions, in the space of the mesh.
+    pub bounds: (DVec3, DVec3),
     /// Built in this frame.
     pub fresh: bool,
 }
@@ -78,6 +90,9 @@ pub(super) struct ShownFrom {
     pub alpha: f32,
     /// World to mesh.
     pub frame: DAffine3,
+    /// What the picture is led around, and with it the transform that the entity is drawn at.
+    pub obstacles: Vec<Obstacle>,
+    pub drawn: DAffine3,
 }
 
 impl ClothState {
@@ -136,7 +151,10 @@ impl ClothState {
 
     /// Moves the cloth as it is, velocities included, and carries the anchor along.
     pub(super) fn carry_to(&mut self, anchor: DAffine3) {
-        self.cloth.transform(anchor * self.anchor.inverse());
+        if anchor == self.anchor && anchor == self.seen_anchor {
+            return;
+        }
+        self.cloth.carry(anchor * self.anchor.inverse());
         self.anchor = anchor;
         self.settle();
     }
@@ -146,6 +164,8 @@ impl ClothState {
         self.anchor = anchor;
         let positions = self.binding.rest_positions(anchor);
         self.cloth.set_state(&positions, &vec![DVec3::ZERO; positions.len()]);
+        self.follower.rest();
+        self.placed = true;
         self.settle();
     }
 
@@ -153,6 +173,8 @@ impl ClothState {
     fn settle(&mut self) {
         self.previous_anchor = self.anchor;
         self.seen_anchor = self.anchor;
+        self.follower.carried = Carried::default();
+        self.met.clear();
         self.pace.pending = 0.0;
         self.previous_positions.clear();
         self.previous_positions.extend_from_slice(self.cloth.positions());
@@ -170,6 +192,14 @@ impl Binding {
     /// Rest positions of the simulated vertices under a transform, m.
     pub fn rest_positions(&self, transform: DAffine3) -> Vec<DVec3> {
         self.representatives.iter().map(|&vertex| transform.transform_point3(self.local(vertex))).collect()
+    }
+
+    /// Corners of the box around these vertices of the mesh, in its space; around all if there are none.
+    pub fn corners(&self, vertices: &[u32]) -> [DVec3; 8] {
+        let held = vertices.iter().map(|&vertex| self.local(vertex));
+        let around = held.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
+        let (low, high) = if vertices.is_empty() { self.bounds } else { around };
+        core::array::from_fn(|i| DVec3::new([low.x, high.x][i & 1], [low.y, high.y][i >> 1 & 1], [low.z, high.z][i >> 2]))
     }
 
     /// Rest position of a vertex in the space of the mesh.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::budget::Keeper;
 use super::error::ClothError;
+use super::follow::Carried;
 use super::state::ClothState;
 use crate::physics::StepOutcome;
 
@@ -41,6 +42,7 @@ impl ClothState {
         };
         self.report = Some(report);
         self.stepped = true;
+        self.follower.carried = Carried::default();
         self.revision += 1;
     }
 }

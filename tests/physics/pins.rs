@@ -65,7 +65,7 @@ fn without_pins_the_cloth_falls() {
 fn a_teleport_changes_nothing_but_the_place() {
     let map = DAffine3::from_rotation_translation(DQuat::from_rotation_y(1.0), DVec3::new(40.0, -3.0, 7.0));
     let (mut here, mut there) = (hung(SolverSettings::reference()), hung(SolverSettings::reference()));
-    there.transform(map);
+    there.carry(map);
     for _ in 0..20 {
         here.step(DT);
         there.step(DT);

@@ -61,7 +61,7 @@ fn a_fast_cloth_is_given_what_it_comes_to() {
     run(&mut app, 1);
     assert_eq!(given_in_last_step(&mut app, cloth), [below], "1 m in a step");
     app.insert_resource(ClothGravity(Vec3::ZERO));
-    let held = spawn(&mut app, sheet(), ());
+    let held = spawn(&mut app, sheet(), ClothInertia::unlimited());
     let aside = ball(&mut app, Transform::from_xyz(2.5, 0.0, 0.0));
     app.world_mut().entity_mut(held).insert(ClothPinTargets([(4, Vec3::new(2.5, 0.0, 0.0))].into()));
     run(&mut app, 1);

@@ -60,7 +60,8 @@ fn stretch_is_red_and_compression_blue() {
     let mut app = app();
     // Everything held: twice as wide, half as high.
     let places = vectors(&sheet(), Mesh::ATTRIBUTE_POSITION).into_iter().map(|p| p * Vec3::new(2.0, 0.5, 1.0));
-    let cloth = spawn(&mut app, sheet(), ClothPinTargets((0..).zip(places).collect()));
+    let held = (ClothPinTargets((0..).zip(places).collect()), ClothInertia::unlimited());
+    let cloth = spawn(&mut app, sheet(), held);
     run(&mut app, 2);
     set(&mut app, ClothGizmos { pins: false, ..default() });
     let (_, colors) = drawn(&app);

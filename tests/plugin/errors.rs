@@ -259,7 +259,6 @@ fn the_description_is_not_a_number() {
     let mut app = app();
     let cloth = spawn(&mut app, sheet(), ClothPins::indices([0]));
     for (wrong, expected) in [
-        (ClothMesh { teleport_distance: f32::NAN, ..default() }, "teleport_distance"),
         (ClothMesh { weld_distance: Some(-1.0), ..default() }, "weld_distance"),
         (ClothMesh { warp_angle: f32::NAN, ..default() }, "warp_angle"),
     ] {

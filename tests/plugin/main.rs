@@ -11,14 +11,18 @@ mod contact_mesh;
 mod debug;
 mod diagnostics;
 mod errors;
+mod jumps;
 mod lifecycle;
+mod motion;
 mod order;
+mod picture;
 mod pins;
 mod quality;
 #[cfg(feature = "rapier3d")]
 mod rapier;
 mod reflect;
 mod shading;
+mod stage;
 mod start;
 mod time;
 mod transform;

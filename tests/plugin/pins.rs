@@ -80,6 +80,10 @@ fn targets_take_vertices_anywhere_and_let_go() {
     let mut app = app();
     let at = Transform::from_xyz(0.0, 10.0, 0.0).with_scale(Vec3::splat(2.0));
     let cloth = spawn(&mut app, sheet(), (at, top_edge()));
+    // What is held 20 cm away glides there.
+    let grabbed = [(0, Vec3::new(0.0, 0.0, 0.1)), (24, Vec3::new(1.0, -1.0, 0.0))];
+    app.world_mut().entity_mut(cloth).insert(ClothPinTargets(grabbed.into()));
+    run(&mut app, 30);
     for step in 0..20 {
         let lifted = 0.01 * step as f32;
         // One vertex that the rules hold too, one that they do not.

@@ -41,7 +41,7 @@ proptest! {
     fn the_rest_shape_has_no_energy_and_stays(surface in surface(), fabric in ordinary_fabric(), motion in rigid_motion()) {
         for (precision, tolerance) in [(Precision::Single, 2e-5), (Precision::Double, 1e-9)] {
             let mut cloth = surface.cloth(fabric, SolverSettings { precision, ..Default::default() });
-            cloth.transform(motion);
+            cloth.carry(motion);
             cloth.set_gravity(DVec3::ZERO);
             let before = cloth.positions().to_vec();
             let stiffness = f64::from(fabric.warp_stiffness) + f64::from(fabric.warp_bending);

@@ -1,6 +1,6 @@
 //! What advances a cloth, in either precision.
 
-use bevy::math::DVec3;
+use bevy::math::{DAffine3, DVec3};
 
 use super::implicit::Implicit;
 use super::pins::Pins;
@@ -39,6 +39,10 @@ pub(super) trait Engine: Send + Sync {
     fn set_settings(&mut self, settings: &SolverSettings);
     /// Contacts of the last step, with vertices as the engine numbers them.
     fn contacts(&self, colliders: &[Collider]) -> Vec<Contact>;
+    /// Maps earlier states as the present one was, which is now at `x`.
+    fn carry(&mut self, map: DAffine3, x: &[DVec3]);
+    /// Changes the velocities of earlier states as those of the present one were.
+    fn boost(&mut self, velocity: DVec3);
     /// Forgets earlier states: the present one was put there from outside.
     fn restart(&mut self);
     /// Says that the cloth is at `x` now, whatever was before.

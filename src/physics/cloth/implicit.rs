@@ -1,6 +1,6 @@
 //! The implicit step: predict, linearise, solve, check.
 
-use bevy::math::DVec3;
+use bevy::math::{DAffine3, DMat3, DVec3};
 use bevy::platform::time::Instant;
 
 use super::engine::{Engine, Step};
@@ -19,6 +19,9 @@ use crate::physics::solve::{LinearSolver, solver};
 const FREE_TOLERANCE: f64 = 0.1;
 /// A cloth that touches something and is slower than this, m/s, settles: it is linearised further back.
 const SETTLING_SPEED: f64 = 0.1;
+
+/// Change of lengths by a map, relative and twice, up to which it is rigid: the energy stays what it was.
+const RIGID: f64 = 1e-9;
 
 /// A cloth's linear system, its solver, and what a step remembers.
 pub(super) struct Implicit<T: Scalar> {
@@ -301,6 +304,21 @@ impl<T: Scalar> Engine for Implicit<T> {
 
     fn contacts(&self, colliders: &[Collider]) -> Vec<Contact> {
         self.contact.show(&self.history.state.positions, colliders)
+    }
+
+    fn carry(&mut self, map: DAffine3, x: &[DVec3]) {
+        super::carry(&mut self.history.state, map);
+        let gram = map.matrix3.transpose() * map.matrix3;
+        if !(gram.abs_diff_eq(DMat3::IDENTITY, RIGID) && map.matrix3.determinant() > 0.0) {
+            self.settle(x);
+        }
+    }
+
+    fn boost(&mut self, velocity: DVec3) {
+        let History { state, dt, .. } = &mut self.history;
+        state.velocities.iter_mut().for_each(|v| *v += velocity);
+        let way = velocity * dt.unwrap_or(0.0);
+        state.positions.iter_mut().for_each(|x| *x -= way);
     }
 
     fn restart(&mut self) {

@@ -64,6 +64,7 @@ pub struct Cloth {
     fabric: Fabric,
     settings: SolverSettings,
     gravity: DVec3,
+    wind: DVec3,
     /// The order that the engine has its vertices in, and with it `inner_masses`, `state` and `pins`.
     ordering: Ordering,
     inner_masses: Vec<f64>,
@@ -116,6 +117,7 @@ impl Cloth {
             shown,
             masses,
             gravity: DVec3::new(0.0, -9.81, 0.0),
+            wind: DVec3::ZERO,
             shape,
             fabric,
             settings,
@@ -204,17 +206,26 @@ impl Cloth {
         self.engine.settle(&self.state.positions);
     }
 
-    /// Carries the cloth elsewhere without it noticing: positions are mapped, velocities turned, pin targets mapped.
-    pub fn transform(&mut self, map: DAffine3) {
-        for x in &mut self.state.positions {
-            *x = map.transform_point3(*x);
-        }
-        for v in &mut self.state.velocities {
-            *v = map.transform_vector3(*v);
-        }
+    /// Carries the cloth elsewhere without it noticing: positions, velocities, history and pin targets are mapped, and it goes on from
+    /// there. After a rigid motion it moves as it would have moved, but for gravity and colliders, which stay where they are.
+    pub fn carry(&mut self, map: DAffine3) {
+        carry(&mut self.state, map);
         self.pins.transform(map);
-        self.engine.restart();
+        self.engine.carry(map, &self.state.positions);
         self.show();
+    }
+
+    /// Gives all vertices another velocity on top of theirs (m/s), as if the cloth had been seen from a train until now: history is
+    /// changed with it.
+    pub fn boost(&mut self, velocity: DVec3) {
+        self.state.velocities.iter_mut().for_each(|v| *v += velocity);
+        self.engine.boost(velocity);
+        self.show();
+    }
+
+    /// Velocity of the air that [`Fabric::air_drag`] acts against, m/s. Zero at first.
+    pub fn set_wind(&mut self, wind: DVec3) {
+        self.wind = wind;
     }
 
     /// Brings the state into the order of the shape.
@@ -311,12 +322,14 @@ impl Cloth {
         let Self { ordering, gravity, inner_masses, mass, state, pins, colliders, engine, earlier_contacts, .. } = self;
         earlier_contacts.clear();
         let settings = self.contact_settings;
+        // Drag is proportional to mass, as gravity is: −α m (v − w).
+        let gravity = *gravity + f64::from(self.fabric.air_drag) * self.wind;
         let around = |from, to| Surroundings { colliders, settings, from, to };
         let least = self.settings.substeps.max(1);
         in_pool(ordering.part_starts.len(), || {
             let whole = engine::Step {
                 dt,
-                gravity: *gravity,
+                gravity,
                 masses: inner_masses,
                 mass: *mass,
                 pins,
@@ -330,7 +343,7 @@ impl Cloth {
                 let done = substeps - remaining;
                 let around = around(share(done), share(done + 1));
                 let dt = dt / f64::from(substeps);
-                let step = engine::Step { dt, gravity: *gravity, masses: inner_masses, mass: *mass, pins, around };
+                let step = engine::Step { dt, gravity, masses: inner_masses, mass: *mass, pins, around };
                 report.substeps += 1;
                 engine.step(step, state, report)?;
                 if let Some(watch) = watch.as_mut().filter(|_| remaining > 1) {
@@ -370,6 +383,12 @@ impl core::fmt::Debug for Cloth {
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }
+}
+
+/// Maps positions and turns velocities.
+fn carry(state: &mut State, map: DAffine3) {
+    state.positions.iter_mut().for_each(|x| *x = map.transform_point3(*x));
+    state.velocities.iter_mut().for_each(|v| *v = map.transform_vector3(*v));
 }
 
 /// Values of vertices in the order of the engine.

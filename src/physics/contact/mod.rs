@@ -19,6 +19,16 @@ mod memory;
 mod surface;
 mod touch;
 
+use bevy::math::DVec3;
+use parry3d::shape::SharedShape;
+
 pub(crate) use collider::merged;
 pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
+
+/// The distance (m) from a point to a shape, in its frame, and the outward unit normal there. Where the surface is further than `within`, that may
+/// stand for the distance.
+pub(crate) fn distance(shape: &SharedShape, point: DVec3, within: f64) -> (f64, DVec3) {
+    let nearest = surface::Surface::new(shape).nearest(point, within);
+    (nearest.distance, nearest.normal)
+}

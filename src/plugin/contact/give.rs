@@ -1,16 +1,26 @@
 //! The colliders that each cloth may touch in its next step.
 
-use bevy::math::DVec3;
+use bevy::math::{DAffine3, DQuat, DVec3};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
+use parry3d::shape::SharedShape;
 
 use super::bounds::Bounds;
 use super::collider::ClothCollider;
 use super::layers::{ClothCollidesWith, ClothLayers};
 use super::track::Track;
-use crate::physics::{Cloth, Collider};
+use crate::physics::{Cloth, Collider, Pose};
 use crate::plugin::budget::Keeper;
+use crate::plugin::follow::Carried;
 use crate::plugin::state::ClothState;
+
+/// A collider near a cloth, and its way through the last step.
+pub(in crate::plugin) struct Met {
+    pub entity: Entity,
+    pub shape: SharedShape,
+    pub start: Pose,
+    pub end: Pose,
+}
 
 /// All colliders of a tick, laid out so that those far from a cloth are passed over quickly.
 #[derive(Resource, Default)]
@@ -56,23 +66,32 @@ pub(in crate::plugin) fn give(
         let due = !state.suspended && state.pace.is_due();
         if due && !surroundings.colliders.is_empty() {
             let ticks = state.pace.since + 1;
-            let bounds = reach_of_step(&state.cloth, state.pace.pending + time.delta_secs_f64());
+            let (bounds, seen) = reach_of_step(&state.cloth, state.pace.pending + time.delta_secs_f64());
+            let carried = state.follower.carried;
+            let middle = 0.5 * (bounds.min + bounds.max);
+            let mut met = core::mem::take(&mut state.met);
+            met.clear();
             let layers = layers.copied().unwrap_or_default();
             let wanted = |&(collider, its): &(Entity, ClothLayers)| {
                 collider != entity && layers.interacts_with(its) && only.is_none_or(|only| only.contains(&collider))
             };
-            given.extend(surroundings.near(bounds).filter(wanted).filter_map(|(entity, _)| {
+            given.extend(surroundings.near(seen).filter(wanted).filter_map(|(entity, _)| {
                 let (collider, track) = colliders.get(entity).ok()?;
-                track.bounds_since(ticks)?.overlaps(&bounds).then_some(())?;
                 let (shape, end) = track.present()?;
-                Some(Collider {
+                let start = carried.start(track.pose_before(ticks)?, end, middle);
+                let way = track.bounds()?.swept(&start, &end);
+                if way.overlaps(&seen) {
+                    met.push(Met { entity, shape: shape.clone(), start, end });
+                }
+                way.overlaps(&bounds).then(|| Collider {
                     id: entity.to_bits(),
                     shape: shape.clone(),
-                    start: track.pose_before(ticks)?,
+                    start,
                     end,
                     friction: collider.friction.into(),
                 })
             }));
+            state.met = met;
         }
         let takes_away = due || surroundings.colliders.is_empty();
         if !given.is_empty() || (takes_away && !state.cloth.colliders().is_empty()) {
@@ -83,13 +102,34 @@ pub(in crate::plugin) fn give(
     keeper.spent.collect += start.elapsed();
 }
 
+impl Carried {
+    /// Where a collider began its way to `end`, seen from a cloth that was carried meanwhile and is around `middle` now.
+    fn start(&self, start: Pose, end: Pose, middle: DVec3) -> Pose {
+        if self.map == DAffine3::IDENTITY {
+            return start;
+        }
+        let carried = Pose {
+            translation: self.map.transform_point3(start.translation),
+            rotation: (DQuat::from_mat3(&self.map.matrix3) * start.rotation).normalize(),
+        };
+        let way = |start: &Pose| end.place(start.local(middle)).distance(middle);
+        // What did not jump along has not moved against the cloth by as much.
+        if self.jumped && way(&start) < way(&carried) { start } else { carried }
+    }
+}
+
+/// How many times further than the physics the picture looks for colliders: it is up to a frame and a tick ahead of the step, and is led
+/// around what is within three times the way from there.
+const AHEAD: f64 = 8.0;
+
 /// Around all places that a cloth can come to in a step of `dt` seconds: no vertex goes further than the fastest does, gravity
-/// besides, or than a held one is taken.
-fn reach_of_step(cloth: &Cloth, dt: f64) -> Bounds {
+/// besides, or than a held one is taken. Then the same for its picture.
+fn reach_of_step(cloth: &Cloth, dt: f64) -> (Bounds, Bounds) {
     let bounds = cloth.positions().iter().fold(Bounds::EMPTY, |bounds, &position| bounds.with(position));
     let speed = cloth.velocities().iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt();
     let pulled = |(vertex, target): (u32, DVec3)| cloth.positions()[vertex as usize].distance(target);
     let pull = cloth.pinned().map(pulled).fold(0.0, f64::max);
-    let fall = speed * dt + cloth.gravity().length() * dt * dt;
-    bounds.grown(2.0 * cloth.contact_settings().thickness + fall.max(pull))
+    let way = (speed * dt + cloth.gravity().length() * dt * dt).max(pull);
+    let thickness = 2.0 * cloth.contact_settings().thickness;
+    (bounds.grown(thickness + way), bounds.grown(thickness + AHEAD * way))
 }

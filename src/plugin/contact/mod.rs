@@ -34,7 +34,7 @@ pub use engines::ClothPhysicsCollider;
 #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
 pub(super) use engines::end_mark;
 pub use error::{ClothColliderError, ClothShapeError};
-pub(super) use give::{Surroundings, give};
+pub(super) use give::{Met, Surroundings, give};
 pub use layers::{ClothCollidesWith, ClothLayers};
 pub use mesh::{ClothMeshCollider, ClothMeshShape};
 pub(super) use mesh::{end as end_mesh, shape_meshes};

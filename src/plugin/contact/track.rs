@@ -14,6 +14,7 @@ use super::layers::ClothLayers;
 use super::scale::scaled;
 use crate::physics::Pose;
 use crate::plugin::budget::Keeper;
+use crate::plugin::motion::{Place, Places};
 use crate::plugin::state::usable;
 
 /// Ticks back that poses are kept: cloth takes steps of twelve ticks at most.
@@ -57,7 +58,7 @@ type Followed<'a> = (
 /// Follows every collider, and notes which may be near a cloth.
 pub(in crate::plugin) fn track(
     mut commands: Commands,
-    transforms: TransformHelper,
+    mut places: Places,
     mut surroundings: ResMut<Surroundings>,
     mut keeper: ResMut<Keeper>,
     mut colliders: Query<Followed>,
@@ -65,9 +66,12 @@ pub(in crate::plugin) fn track(
     let start = Instant::now();
     surroundings.clear();
     for (name, collider, mut track, layers, shown, propagated) in &mut colliders {
-        // As it is now, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
-        let transform = transforms.compute_global_transform(name.entity).unwrap_or(*propagated);
-        let followed = track.follow(&collider, &transform);
+        // As it is at the time of the tick, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
+        let place = places.of(name.entity).unwrap_or(Place::only(*propagated));
+        if place.teleported {
+            track.moments.clear();
+        }
+        let followed = track.follow(&collider, &place.now);
         if followed.is_err() {
             *track = Track::default();
         }
@@ -90,10 +94,9 @@ impl Track {
         Some(self.moments.get(ticks as usize).or(self.moments.back())?.pose)
     }
 
-    /// Around the shape on its way through so many ticks.
-    pub(super) fn bounds_since(&self, ticks: u32) -> Option<Bounds> {
-        let (_, end) = self.present()?;
-        Some(self.sized.as_ref()?.bounds.swept(&self.pose_before(ticks)?, &end))
+    /// Around the shape, in its own frame.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        Some(self.sized.as_ref()?.bounds)
     }
 
     fn follow(&mut self, collider: &Ref<ClothCollider>, transform: &GlobalTransform) -> Result<(), ClothColliderError> {
@@ -133,8 +136,9 @@ impl Track {
         if before.as_ref().is_some_and(jumped) {
             self.moments.clear();
         }
+        let known = !self.moments.is_empty();
         let before = self.moments.front().map_or(pose, |moment| moment.pose);
-        self.still = if before == pose && !resized { self.still + 1 } else { 0 };
+        self.still = if known && before == pose && !resized { self.still + 1 } else { 0 };
         if self.still > MEMORY {
             // All moments are alike.
             return;

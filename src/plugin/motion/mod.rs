@@ -1,0 +1,341 @@
+//! Where the entities are that hold cloth or touch it, at the time of a tick.
+//!
+//! Games move things in different schedules, and the fixed loop runs before most of them: in a frame that has two ticks, what
+//! `Update` moves has not moved between these, and has moved twice as far before the next. So:
+//!
+//! - What a fixed schedule moves is taken as it is, in the tick that moves it.
+//! - What is moved once a frame (in `Update`, by `AnimationPlayer` in `PostUpdate`, in `PreUpdate`) is known at the ends of frames.
+//!   Each tick sees it between the last of these, at a time of its own ([`clock`]), about one frame late.
+//! - What is eased between ticks for the eye (`TransformInterpolation` of physics engines) is moved by the ticks: easing is not taken
+//!   for motion.
+//!
+//! Translation, rotation and scale are told apart, each on its own ([`way`]), of every entity up to the root: a bone may be animated
+//! under a body that a fixed schedule moves. Cloths, pins and colliders all see the same time. What changes while no time passes, or
+//! further in a frame than a motion leads, has jumped: everything sees it at once.
+
+mod clock;
+mod felt;
+mod glide;
+mod way;
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use self::clock::Clock;
+use self::way::{Change, Way};
+
+pub(super) use felt::{Carry, Felt, Limits, Motion};
+pub(super) use glide::{Glides, TargetWays};
+
+/// Change of speed within a frame from which on a thing has jumped, m/s. Running (6 m/s) that begins or ends in one frame is below, a
+/// step of 0.2 m within a frame of 1/60 s (12 m/s) above.
+const JUMP: f32 = 10.0;
+/// The same of a turn, rad/s: a cape swings half a meter behind the axis of its wearer.
+const TURN: f32 = 20.0;
+/// Frames for which an entity is remembered that nobody asks for.
+const FORGET: u32 = 30;
+/// Smallest factor of a scale over the largest that is not flat: the inverse of less is rounding.
+const FLAT: f32 = 1e-6;
+
+/// The past of all entities that hold a cloth or are solid for it, and of those above them.
+#[derive(Resource)]
+pub(super) struct Motions {
+    /// Off in schedules that run once a frame: there, what is moved before [`ClothSystems::Collect`](super::ClothSystems::Collect)
+    /// is known for the time of the step.
+    enabled: bool,
+    clock: Clock,
+    nodes: EntityHashMap<Node>,
+    /// Counts frames and ticks.
+    frame: u32,
+    tick: u32,
+    /// Time that the tick before this one saw, s.
+    seen_before: Option<f64>,
+    /// Whether the last frame had a length.
+    time_passed: bool,
+    /// See [`ClothTeleport`], and the tick that takes note of it.
+    teleported: Vec<(Entity, u32)>,
+}
+
+/// The past of an entity in the space of its parent.
+struct Node {
+    parent: Option<Entity>,
+    translation: Way<Vec3>,
+    rotation: Way<Quat>,
+    scale: Way<Vec3>,
+    /// Frame that it was last asked for in.
+    asked: u32,
+    /// Tick that it was last asked for in.
+    ticked: u32,
+    /// Tick that sees it elsewhere than the past led, without a motion.
+    rewritten: u32,
+}
+
+/// Where an entity is at the time of a tick.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub now: GlobalTransform,
+    /// Where it has to be seen in the last tick so that what happened since is motion, if that is elsewhere than it was seen then.
+    pub before: Option<GlobalTransform>,
+    /// Whether [`ClothTeleport`] says that it did not move here.
+    pub teleported: bool,
+}
+
+impl Place {
+    /// Of an entity that nothing else is known of.
+    pub fn only(now: GlobalTransform) -> Self {
+        Self { now, before: None, teleported: false }
+    }
+}
+
+impl Motions {
+    pub fn new(enabled: bool) -> Self {
+        Self {
+            enabled,
+            clock: Clock::default(),
+            nodes: EntityHashMap::default(),
+            frame: 0,
+            tick: 0,
+            seen_before: None,
+            time_passed: false,
+            teleported: Vec::new(),
+        }
+    }
+
+    /// The time that ticks see, and the end of the last frame, s; `None` where they see everything as it is.
+    pub fn times(&self) -> Option<(f64, f64)> {
+        self.enabled.then_some(())?;
+        Some((self.clock.sampled?, self.clock.previous))
+    }
+
+    /// Says that an entity and those above it have always been where they are now.
+    fn forget(&mut self, entity: Entity, transforms: &Query<&Transform>, parents: &Query<&ChildOf>) {
+        self.teleported.push((entity, self.tick.wrapping_add(1)));
+        for entity in core::iter::once(entity).chain(parents.iter_ancestors(entity)) {
+            if let (Some(node), Ok(transform)) = (self.nodes.get_mut(&entity), transforms.get(entity)) {
+                node.forget(self.clock.previous, transform);
+            }
+        }
+    }
+
+    fn is_teleported(&self, entity: Entity) -> bool {
+        self.teleported.iter().any(|&teleported| teleported == (entity, self.tick))
+    }
+
+    /// Takes note of an entity in this tick; `None` if it has no place between its places, which is then as it is.
+    fn follow(&mut self, entity: Entity, transform: &Transform, parent: Option<Entity>) -> Option<&Node> {
+        if !is_sane(transform) {
+            self.nodes.remove(&entity);
+            return None;
+        }
+        let (time, frame, tick) = (self.clock.previous, self.frame, self.tick);
+        let node = self.nodes.entry(entity).or_insert_with(|| Node::new(time, transform, parent));
+        node.asked = frame;
+        if node.parent == parent {
+            node.tick(time, transform, tick == node.ticked);
+        } else {
+            *node = Node { asked: frame, rewritten: tick, ..Node::new(time, transform, parent) };
+        }
+        node.ticked = tick;
+        Some(node)
+    }
+}
+
+impl Node {
+    fn new(time: f64, transform: &Transform, parent: Option<Entity>) -> Self {
+        Self {
+            parent,
+            translation: Way::new(time, transform.translation),
+            rotation: Way::new(time, transform.rotation),
+            scale: Way::new(time, transform.scale),
+            asked: 0,
+            ticked: 0,
+            rewritten: 0,
+        }
+    }
+
+    fn end_frame(&mut self, time: f64, transform: &Transform, oldest: f64) {
+        self.translation.end_frame(time, transform.translation, oldest, leaps);
+        self.rotation.end_frame(time, transform.rotation, oldest, spins);
+        self.scale.end_frame(time, transform.scale, oldest, mirrors);
+    }
+
+    fn tick(&mut self, time: f64, transform: &Transform, again: bool) {
+        self.translation.tick(time, transform.translation, again);
+        self.rotation.tick(time, transform.rotation, again);
+        self.scale.tick(time, transform.scale, again);
+    }
+
+    fn forget(&mut self, time: f64, transform: &Transform) {
+        self.translation.forget(time, transform.translation);
+        self.rotation.forget(time, transform.rotation);
+        self.scale.forget(time, transform.scale);
+    }
+
+    fn at(&self, time: f64) -> Transform {
+        Transform {
+            translation: self.translation.at(time),
+            rotation: self.rotation.at(time),
+            // What shrinks does not go on to nothing.
+            scale: self.scale.at_most(time),
+        }
+    }
+}
+
+/// Whether a translation changed its velocity by more than a motion does.
+fn leaps(change: Change<Vec3>) -> bool {
+    let velocity = |(t0, a): (f64, Vec3), (t1, b): (f64, Vec3)| (b - a) / (t1 - t0) as f32;
+    let before = change.before.map_or(Vec3::ZERO, |before| velocity(before, change.from));
+    velocity(change.from, change.to).distance(before) > JUMP
+}
+
+fn spins(change: Change<Quat>) -> bool {
+    let speed = |(t0, a): (f64, Quat), (t1, b): (f64, Quat)| (b * a.inverse()).to_scaled_axis() / (t1 - t0) as f32;
+    let before = change.before.map_or(Vec3::ZERO, |before| speed(before, change.from));
+    speed(change.from, change.to).distance(before) > TURN
+}
+
+/// Nothing is turned inside out on its way.
+fn mirrors(change: Change<Vec3>) -> bool {
+    (change.from.1 * change.to.1).min_element() <= 0.0
+}
+
+/// Whether a transform can be mixed with another.
+fn is_sane(transform: &Transform) -> bool {
+    let scale = transform.scale.abs();
+    transform.is_finite() && scale.min_element() > FLAT * scale.max_element()
+}
+
+/// Before the fixed loop: takes note of what the last frame moved, and sets the clock of this one.
+pub(super) fn before_ticks(
+    time: Res<Time<Virtual>>,
+    fixed: Res<Time<Fixed>>,
+    mut motions: ResMut<Motions>,
+    transforms: Query<(&Transform, Option<&ChildOf>)>,
+) {
+    let motions = &mut *motions;
+    let delta = time.delta_secs_f64();
+    motions.clock.begin_frame(time.elapsed_secs_f64(), delta, fixed.overstep().as_secs_f64());
+    motions.frame = motions.frame.wrapping_add(1);
+    let (frame, tick) = (motions.frame, motions.tick.wrapping_add(1));
+    let (previous, oldest) = (motions.clock.previous, motions.clock.oldest());
+    let time_passed = core::mem::replace(&mut motions.time_passed, delta > 0.0);
+    motions.nodes.retain(|&entity, node| {
+        let Ok((transform, parent)) = transforms.get(entity) else { return false };
+        if frame.wrapping_sub(node.asked) > FORGET || !is_sane(transform) {
+            return false;
+        }
+        let parent = parent.map(ChildOf::parent);
+        if parent != node.parent {
+            *node = Node { asked: node.asked, rewritten: tick, ..Node::new(previous, transform, parent) };
+        } else if time_passed {
+            node.end_frame(previous, transform, oldest);
+        } else if !node.is_seen_at(transform) {
+            node.forget(previous, transform);
+            node.rewritten = tick;
+        }
+        true
+    });
+}
+
+impl Node {
+    fn is_seen_at(&self, transform: &Transform) -> bool {
+        let Transform { translation, rotation, scale } = *transform;
+        self.translation.seen() == translation && self.rotation.seen() == rotation && self.scale.seen() == scale
+    }
+}
+
+/// First in each tick: sets the time that it sees.
+pub(super) fn begin_tick(fixed: Res<Time<Fixed>>, mut motions: ResMut<Motions>) {
+    motions.seen_before = motions.clock.sampled;
+    motions.clock.begin_tick(fixed.overstep().as_secs_f64());
+    motions.tick = motions.tick.wrapping_add(1);
+    let tick = motions.tick;
+    motions.teleported.retain(|&(_, when)| when == tick);
+}
+
+/// After the fixed loop: what its systems moved after the cloth was collected is not a frame's motion.
+pub(super) fn after_ticks(mut motions: ResMut<Motions>, transforms: Query<&Transform>) {
+    let previous = motions.clock.previous;
+    for (&entity, node) in &mut motions.nodes {
+        if let Ok(transform) = transforms.get(entity) {
+            node.tick(previous, transform, true);
+        }
+    }
+}
+
+/// Gives transforms at the time of the tick.
+#[derive(SystemParam)]
+pub(super) struct Places<'w, 's> {
+    motions: ResMut<'w, Motions>,
+    transforms: Query<'w, 's, &'static Transform>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    helper: TransformHelper<'w, 's>,
+}
+
+impl Places<'_, '_> {
+    /// Where an entity is; `None` in a hierarchy with a hole.
+    pub fn of(&mut self, entity: Entity) -> Option<Place> {
+        let Self { motions, transforms, parents, helper } = self;
+        let Some((time, _)) = motions.times() else {
+            let now = helper.compute_global_transform(entity).ok()?;
+            let mut chain = core::iter::once(entity).chain(parents.iter_ancestors(entity));
+            let teleported = chain.any(|entity| motions.is_teleported(entity));
+            return Some(Place { now, before: teleported.then_some(now), teleported });
+        };
+        let tick = motions.tick;
+        let (mut rewritten, mut teleported) = (false, false);
+        let mut local = |entity: Entity| {
+            let transform = transforms.get(entity).ok()?;
+            teleported |= motions.is_teleported(entity);
+            let node = motions.follow(entity, transform, parents.get(entity).ok().map(ChildOf::parent));
+            rewritten |= node.is_some_and(|node| node.rewritten == tick);
+            Some(node.map_or(*transform, |node| node.at(time)))
+        };
+        let mut now = GlobalTransform::from(local(entity)?);
+        for ancestor in parents.iter_ancestors(entity) {
+            now = local(ancestor)? * now;
+        }
+        let before = if rewritten || teleported { self.in_the_tick_before(entity) } else { None };
+        Some(Place { now, before, teleported })
+    }
+
+    /// Where an entity was in the last tick, as the past is told now.
+    fn in_the_tick_before(&self, entity: Entity) -> Option<GlobalTransform> {
+        let time = self.motions.seen_before?;
+        let local = |entity: Entity| {
+            let transform = self.transforms.get(entity).ok()?;
+            Some(self.motions.nodes.get(&entity).map_or(*transform, |node| node.at(time)))
+        };
+        let mut before = GlobalTransform::from(local(entity)?);
+        for ancestor in self.parents.iter_ancestors(entity) {
+            before = local(ancestor)? * before;
+        }
+        Some(before)
+    }
+
+    /// The times of [`Motions::times`].
+    pub fn times(&self) -> Option<(f64, f64)> {
+        self.motions.times()
+    }
+}
+
+/// Trigger it after moving an entity that holds cloth or is solid for it, so that this is not taken for a motion:
+/// `commands.trigger(ClothTeleport { entity })`. What cloth hangs there is carried along as it is, folds and swing included.
+///
+/// Jumps are recognized without it where they change the speed of what holds the cloth by more than 10 m/s
+/// ([`ClothInertia::jump_speed`](super::ClothInertia::jump_speed)). It is for smaller ones: a cut, a snap to a grid.
+#[derive(EntityEvent, Clone, Copy, Debug, Reflect)]
+pub struct ClothTeleport {
+    /// The entity that was moved.
+    pub entity: Entity,
+}
+
+pub(super) fn teleport(
+    teleport: On<ClothTeleport>,
+    mut motions: ResMut<Motions>,
+    transforms: Query<&Transform>,
+    parents: Query<&ChildOf>,
+) {
+    motions.forget(teleport.entity, &transforms, &parents);
+}
