@@ -24,11 +24,11 @@ pub struct ClothInertia {
     pub max_speed: f32,
     /// Turning that is felt at most, rad/s. Default: infinity.
     pub max_turn: f32,
-    /// Acceleration that is felt at most, m/s²: what is faster is felt over a longer time. Default: 150, fifteen times gravity. A
-    /// start at 6 m/s within one frame so stretches a cape of cotton by less than 10 %.
+    /// Acceleration that is felt at most, m/s²: what is faster is felt over a longer time. Default: 100, ten times gravity. A start
+    /// at 6 m/s within one frame so stretches a cape of cotton by less than 10 %.
     pub max_acceleration: f32,
     /// Change of velocity from one tick to the next that is a jump and not felt at all, m/s. One that lasts for 0.3 s is taken for a
-    /// velocity after all. Default: 10.
+    /// velocity after all. Default: 8: a dash of 12 m/s is a jump, running at 6 m/s is not.
     pub jump_speed: f32,
 }
 
@@ -39,8 +39,8 @@ impl Default for ClothInertia {
             angular: 1.0,
             max_speed: f32::INFINITY,
             max_turn: f32::INFINITY,
-            max_acceleration: 150.0,
-            jump_speed: 10.0,
+            max_acceleration: 100.0,
+            jump_speed: 8.0,
         }
     }
 }
@@ -54,8 +54,8 @@ impl ClothInertia {
             angular: 0.75,
             max_speed: 5.0,
             max_turn: TAU,
-            max_acceleration: 150.0,
-            jump_speed: 10.0,
+            max_acceleration: 100.0,
+            jump_speed: 8.0,
         }
     }
 

@@ -80,7 +80,7 @@ pub(in crate::plugin) fn give(
                 let (shape, end) = track.present()?;
                 let start = carried.start(track.pose_before(ticks)?, end, middle);
                 let way = track.bounds()?.swept(&start, &end);
-                if way.overlaps(&seen) {
+                if way.grown(track.lead()).overlaps(&seen) {
                     met.push(Met { entity, shape: shape.clone(), start, end });
                 }
                 way.overlaps(&bounds).then(|| Collider {

@@ -17,6 +17,9 @@ use crate::plugin::budget::Keeper;
 use crate::plugin::motion::{Place, Places};
 use crate::plugin::state::usable;
 
+/// Ticks that a collider is drawn ahead of what a tick sees at most: a frame of 1/15 s at 64 Hz and the ticks around it.
+const DRAWN_AHEAD: f64 = 8.0;
+
 /// Ticks back that poses are kept: cloth takes steps of twelve ticks at most.
 const MEMORY: usize = 16;
 
@@ -76,7 +79,7 @@ pub(in crate::plugin) fn track(
             *track = Track::default();
         }
         if let Some(reach) = track.reach {
-            surroundings.add(name.entity, layers.copied().unwrap_or_default(), reach);
+            surroundings.add(name.entity, layers.copied().unwrap_or_default(), reach.grown(track.lead()));
         }
         report(&mut commands, &name, shown, followed.err());
     }
@@ -92,6 +95,20 @@ impl Track {
     /// Where it was so many ticks ago, or in the first tick that it is known in.
     pub(super) fn pose_before(&self, ticks: u32) -> Option<Pose> {
         Some(self.moments.get(ticks as usize).or(self.moments.back())?.pose)
+    }
+
+    /// How far it may be drawn from where it is in this tick, m.
+    pub(super) fn lead(&self) -> f64 {
+        let (Some(sized), Some(now), Some(before)) = (&self.sized, self.moments.front(), self.moments.get(1)) else {
+            return 0.0;
+        };
+        if now.pose == before.pose {
+            return 0.0;
+        }
+        let radius = sized.bounds.min.abs().max(sized.bounds.max.abs()).length();
+        let turned = now.pose.rotation.angle_between(before.pose.rotation);
+        let turned = if turned > 0.0 { turned * radius } else { 0.0 };
+        DRAWN_AHEAD * (now.pose.translation.distance(before.pose.translation) + turned)
     }
 
     /// Around the shape, in its own frame.

@@ -186,8 +186,8 @@ mod tests {
         angular: 1.0,
         max_speed: f64::INFINITY,
         max_turn: f64::INFINITY,
-        max_acceleration: 150.0,
-        jump_speed: 10.0,
+        max_acceleration: 100.0,
+        jump_speed: 8.0,
     };
     const DT: f64 = 1.0 / 60.0;
 
@@ -280,10 +280,10 @@ mod tests {
     fn a_sudden_start_is_felt_as_an_acceleration() {
         let mut wearer = Wearer::new(LIMITS);
         let mut ticks = 0;
-        while wearer.run(DVec3::X * 9.0) != Carry::NOTHING {
+        while wearer.run(DVec3::X * 7.0) != Carry::NOTHING {
             ticks += 1;
         }
-        assert!((3..=4).contains(&ticks), "9 m/s at 150 m/s² take 60 ms: {ticks}");
+        assert!((4..=5).contains(&ticks), "7 m/s at 100 m/s² take 70 ms: {ticks}");
     }
 
     #[test]
@@ -310,7 +310,7 @@ mod tests {
             for _ in 0..60 {
                 wearer.run(train);
             }
-            let speeds = [3.0, 8.0, 8.0, 0.0, 20.0, 1.0, 0.0];
+            let speeds = [3.0, 7.0, 7.0, 0.0, 20.0, 1.0, 0.0];
             speeds.map(|speed| wearer.run(train + DVec3::X * speed))
         };
         for (a, b) in motions(DVec3::ZERO).iter().zip(&motions(DVec3::Z * 40.0)) {

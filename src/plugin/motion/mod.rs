@@ -28,11 +28,10 @@ use self::way::{Change, Way};
 pub(super) use felt::{Carry, Felt, Limits, Motion};
 pub(super) use glide::{Glides, TargetWays};
 
-/// Change of speed within a frame from which on a thing has jumped, m/s. Running (6 m/s) that begins or ends in one frame is below, a
-/// step of 0.2 m within a frame of 1/60 s (12 m/s) above.
-const JUMP: f32 = 10.0;
+/// Change of speed within a frame from which on a thing has jumped, m/s: [`ClothInertia::jump_speed`](super::ClothInertia).
+const JUMP: f32 = 8.0;
 /// The same of a turn, rad/s: a cape swings half a meter behind the axis of its wearer.
-const TURN: f32 = 20.0;
+const TURN: f32 = 16.0;
 /// Frames for which an entity is remembered that nobody asks for.
 const FORGET: u32 = 30;
 /// Smallest factor of a scale over the largest that is not flat: the inverse of less is rounding.
@@ -184,20 +183,16 @@ impl Node {
 
 /// Whether a translation changed its velocity by more than a motion does.
 fn leaps(change: Change<Vec3>) -> bool {
-    let velocity = |(t0, a): (f64, Vec3), (t1, b): (f64, Vec3)| (b - a) / (t1 - t0) as f32;
-    let before = change.before.map_or(Vec3::ZERO, |before| velocity(before, change.from));
-    velocity(change.from, change.to).distance(before) > JUMP
+    change.mean.distance(change.before) > JUMP
 }
 
 fn spins(change: Change<Quat>) -> bool {
-    let speed = |(t0, a): (f64, Quat), (t1, b): (f64, Quat)| (b * a.inverse()).to_scaled_axis() / (t1 - t0) as f32;
-    let before = change.before.map_or(Vec3::ZERO, |before| speed(before, change.from));
-    speed(change.from, change.to).distance(before) > TURN
+    change.mean.distance(change.before) > TURN
 }
 
 /// Nothing is turned inside out on its way.
 fn mirrors(change: Change<Vec3>) -> bool {
-    (change.from.1 * change.to.1).min_element() <= 0.0
+    (change.from * change.to).min_element() <= 0.0
 }
 
 /// Whether a transform can be mixed with another.
@@ -323,7 +318,7 @@ impl Places<'_, '_> {
 /// Trigger it after moving an entity that holds cloth or is solid for it, so that this is not taken for a motion:
 /// `commands.trigger(ClothTeleport { entity })`. What cloth hangs there is carried along as it is, folds and swing included.
 ///
-/// Jumps are recognized without it where they change the speed of what holds the cloth by more than 10 m/s
+/// Jumps are recognized without it where they change the speed of what holds the cloth by more than 8 m/s
 /// ([`ClothInertia::jump_speed`](super::ClothInertia::jump_speed)). It is for smaller ones: a cut, a snap to a grid.
 #[derive(EntityEvent, Clone, Copy, Debug, Reflect)]
 pub struct ClothTeleport {

@@ -16,24 +16,28 @@ const SURE: u8 = 3;
 const SUREST: u8 = 8;
 /// Share of an interval beyond its end within which its last value is taken, so that rounding of times does not extrapolate.
 const END: f64 = 1e-6;
+/// Change of a velocity from one frame to the next, per time, from which on it is no acceleration but a start or a stop, m/s² (rad/s²
+/// for turns): the way is not rounded there. Running that begins in one frame of 1/60 s is at 360, a bone that swings by half a
+/// radian once a second at 20.
+const SUDDEN: f32 = 100.0;
 
 /// A translation, rotation or scale.
 pub(super) trait Part: Copy + PartialEq {
-    /// The value at a share of the way to another.
-    fn between(self, to: Self, share: f32) -> Self;
-    /// The value after a share of the change that leads from one value to another.
-    fn moved_on(self, from: Self, to: Self, share: f32) -> Self;
+    /// The difference to another value: m, or rad about an axis.
+    fn to(self, other: Self) -> Vec3;
+    /// The value after such a difference.
+    fn moved(self, by: Vec3) -> Self;
     /// Whether both differ by rounding only.
     fn is_noise(self, to: Self) -> bool;
 }
 
 impl Part for Vec3 {
-    fn between(self, to: Self, share: f32) -> Self {
-        self.lerp(to, share)
+    fn to(self, other: Self) -> Vec3 {
+        other - self
     }
 
-    fn moved_on(self, from: Self, to: Self, share: f32) -> Self {
-        self + (to - from) * share
+    fn moved(self, by: Vec3) -> Self {
+        self + by
     }
 
     fn is_noise(self, to: Self) -> bool {
@@ -42,12 +46,14 @@ impl Part for Vec3 {
 }
 
 impl Part for Quat {
-    fn between(self, to: Self, share: f32) -> Self {
-        self.slerp(to, share)
+    fn to(self, other: Self) -> Vec3 {
+        // The shorter way round.
+        let other = if self.dot(other) < 0.0 { -other } else { other };
+        (other * self.inverse()).to_scaled_axis()
     }
 
-    fn moved_on(self, from: Self, to: Self, share: f32) -> Self {
-        (Self::IDENTITY.slerp(to * from.inverse(), share) * self).normalize()
+    fn moved(self, by: Vec3) -> Self {
+        (Self::from_scaled_axis(by) * self).normalize()
     }
 
     fn is_noise(self, to: Self) -> bool {
@@ -61,16 +67,26 @@ struct Entry<T> {
     /// s.
     time: f64,
     value: T,
-    /// Whether it was not led here by a motion from the entry before.
+    /// Mean velocity of the frame that led here, and the one at its end, per s.
+    mean: Vec3,
+    velocity: Vec3,
+    /// Whether no motion led here from the entry before.
     jumped: bool,
 }
 
-/// The change that a frame made, and that of the frame before it: values with their times, s.
+impl<T> Entry<T> {
+    fn standing(time: f64, value: T) -> Self {
+        Self { time, value, mean: Vec3::ZERO, velocity: Vec3::ZERO, jumped: false }
+    }
+}
+
+/// A frame's change of a part: the mean velocity of that frame and the velocity before it, per s, and the values at its ends.
 #[derive(Clone, Copy)]
 pub(super) struct Change<T> {
-    pub before: Option<(f64, T)>,
-    pub from: (f64, T),
-    pub to: (f64, T),
+    pub before: Vec3,
+    pub mean: Vec3,
+    pub from: T,
+    pub to: T,
 }
 
 /// The values of one part at the ends of frames, as far back as they are needed.
@@ -86,7 +102,7 @@ pub(super) struct Way<T> {
 impl<T: Part> Way<T> {
     /// A part without a past, which is first seen at `time`.
     pub fn new(time: f64, value: T) -> Self {
-        Self { seen: value, past: VecDeque::from([Entry { time, value, jumped: false }]), by_ticks: 0 }
+        Self { seen: value, past: VecDeque::from([Entry::standing(time, value)]), by_ticks: 0 }
     }
 
     /// The value that was last seen.
@@ -101,20 +117,26 @@ impl<T: Part> Way<T> {
         self.seen = value;
         if stands {
             self.past.truncate(1);
+            self.past[0] = Entry::standing(time.max(self.past[0].time), value);
+            return;
         }
         let count = self.past.len();
-        let (before, from) = (count.checked_sub(2).map(|i| self.past[i]), self.past.back_mut());
-        match from {
-            Some(last) if stands || last.time >= time => {
-                (last.time, last.value) = (time.max(last.time), value);
-            }
-            Some(last) => {
-                let before = before.filter(|_| !last.jumped).map(|before| (before.time, before.value));
-                let jumped = jumps(Change { before, from: (last.time, last.value), to: (time, value) });
-                self.past.push_back(Entry { time, value, jumped });
-            }
-            None => self.past.push_back(Entry { time, value, jumped: false }),
+        let last = self.past[count - 1];
+        if last.time >= time {
+            self.past[count - 1].value = value;
+            return;
         }
+        let length = time - last.time;
+        let mean = last.value.to(value) / length as f32;
+        let jump = |before| jumps(Change { before, mean, from: last.value, to: value });
+        // After a jump, either it was the beginning of a motion, or the motion before it goes on.
+        let jumped = jump(last.mean) && (!last.jumped || jump(last.velocity));
+        let velocity = match count.checked_sub(2).map(|index| self.past[index]) {
+            _ if jumped => last.velocity,
+            Some(before) if !last.jumped => ending(last.mean, last.time - before.time, mean, length),
+            _ => mean,
+        };
+        self.past.push_back(Entry { time, value, mean, velocity, jumped });
         // The entry before the one in use tells how things went on.
         while self.past.len() > 3 && self.past[2].time <= oldest {
             self.past.pop_front();
@@ -143,32 +165,29 @@ impl<T: Part> Way<T> {
     pub fn forget(&mut self, time: f64, value: T) {
         self.seen = value;
         self.past.clear();
-        self.past.push_back(Entry { time, value, jumped: false });
+        self.past.push_back(Entry::standing(time, value));
     }
 
-    /// The value at a time: between those of the frames around it; beyond the last frame, and before a jump, as it went on before.
+    /// The value at a time. Between frames the way is round where the velocity changes steadily: in straight pieces, each frame would
+    /// be a jolt. Beyond the last frame, and before a jump, it goes on as it went before.
     pub fn at(&self, time: f64) -> T {
         let after = self.past.partition_point(|entry| entry.time <= time);
         let Some(now) = after.checked_sub(1).map(|index| self.past[index]) else {
             return self.past.front().map_or(self.seen, |first| first.value);
         };
-        let next = self.past.get(after);
-        if let Some(next) = next {
-            let share = (time - now.time) / (next.time - now.time);
-            if share > 1.0 - END {
-                return next.value;
+        let since = (time - now.time) as f32;
+        match self.past.get(after) {
+            Some(next) if (next.time - time) <= END * (next.time - now.time) => next.value,
+            Some(next) if !next.jumped => {
+                if now.value == next.value {
+                    return now.value;
+                }
+                let length = (next.time - now.time) as f32;
+                let way = next.mean * length;
+                now.value.moved(hermite(way, now.velocity * length, next.velocity * length, since / length))
             }
-            if !next.jumped {
-                return if now.value == next.value { now.value } else { now.value.between(next.value, share as f32) };
-            }
-        }
-        // A change that was a jump itself says nothing of how it went on.
-        match after.checked_sub(2).map(|index| self.past[index]) {
-            Some(before) if !now.jumped && before.value != now.value => {
-                let share = (time - now.time) / (now.time - before.time);
-                if share < END { now.value } else { now.value.moved_on(before.value, now.value, share as f32) }
-            }
-            _ => now.value,
+            _ if now.velocity == Vec3::ZERO || since <= 0.0 => now.value,
+            _ => now.value.moved(now.velocity * since),
         }
     }
 
@@ -176,6 +195,23 @@ impl<T: Part> Way<T> {
     pub fn at_most(&self, time: f64) -> T {
         self.at(self.past.back().map_or(time, |last| time.min(last.time)))
     }
+}
+
+/// The velocity at the end of the second of two frames with these mean velocities and lengths: that of the parabola through both, unless
+/// it started or stopped.
+fn ending(before: Vec3, length_before: f64, mean: Vec3, length: f64) -> Vec3 {
+    let change = mean - before;
+    let share = (length / (length + length_before)) as f32;
+    if change.length() > SUDDEN * length as f32 { mean } else { mean + share * change }
+}
+
+/// The cubic from 0 to `way` with these tangents, at `u` in 0..1. Tangents are shortened where the curve would run back
+/// (Fritsch & Carlson 1980): what stops does not overshoot.
+fn hermite(way: Vec3, start: Vec3, end: Vec3, u: f32) -> Vec3 {
+    let most = 3.0 * way.length();
+    let (start, end) = (start.clamp_length_max(most), end.clamp_length_max(most));
+    let (u2, u3) = (u * u, u * u * u);
+    way * (3.0 * u2 - 2.0 * u3) + start * (u3 - 2.0 * u2 + u) + end * (u3 - u2)
 }
 
 #[cfg(test)]
@@ -198,15 +234,45 @@ mod tests {
 
     #[test]
     fn a_jump_happens_at_its_end_and_the_motion_goes_on_around_it() {
-        let jumps = |change: Change<Vec3>| change.from.1.distance(change.to.1) > 2.0;
+        let jumps = |change: Change<Vec3>| change.mean.distance(change.before) > 2.0;
         let mut way = Way::new(0.0, Vec3::ZERO);
         way.end_frame(1.0, Vec3::X, 0.0, jumps);
         way.end_frame(2.0, Vec3::new(2.0, 50.0, 0.0), 0.0, jumps);
         assert_eq!(way.at(1.5), Vec3::X * 1.5);
         assert_eq!(way.at(2.0), Vec3::new(2.0, 50.0, 0.0));
-        assert_eq!(way.at(2.5), Vec3::new(2.0, 50.0, 0.0), "nothing is known of what follows a jump");
+        assert_eq!(way.at(2.5), Vec3::new(2.5, 50.0, 0.0), "it goes on as before the jump");
         way.end_frame(3.0, Vec3::new(3.0, 50.0, 0.0), 0.0, jumps);
         assert_eq!(way.at(2.5), Vec3::new(2.5, 50.0, 0.0));
+    }
+
+    #[test]
+    fn a_jump_that_lasts_is_a_motion() {
+        let jumps = |change: Change<Vec3>| change.mean.distance(change.before) > 2.0;
+        let mut way = Way::new(0.0, Vec3::ZERO);
+        for frame in 1..5 {
+            way.end_frame(f64::from(frame), Vec3::X * 10.0 * frame as f32, 0.0, jumps);
+        }
+        assert_eq!(way.at(0.5), Vec3::ZERO, "the first was none");
+        assert_eq!(way.at(3.5), Vec3::X * 35.0);
+    }
+
+    #[test]
+    fn a_steady_acceleration_is_followed_exactly_and_a_stop_is_not_overshot() {
+        let place = |t: f64| Vec3::X * (0.5 * 9.81 * t * t) as f32;
+        let mut way = Way::new(0.0, place(0.0));
+        for frame in 1..20 {
+            let end = f64::from(frame) / 30.0;
+            way.end_frame(end, place(end), end - 0.1, NEVER);
+            if frame > 3 {
+                let between = end - 0.4 / 30.0;
+                assert!(way.at(between).distance(place(between)) < 2e-6, "{}", way.at(between) - place(between));
+            }
+        }
+        let last = place(19.0 / 30.0);
+        way.end_frame(20.0 / 30.0, last, 0.0, NEVER);
+        for share in [0.1, 0.5, 0.9] {
+            assert!(way.at((19.0 + share) / 30.0).distance(last) < 1e-6);
+        }
     }
 
     #[test]
