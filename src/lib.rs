@@ -60,8 +60,8 @@ pub mod prelude {
         ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
         ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
         ClothGravity, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
-        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError, ClothSolver,
-        ClothState, ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
+        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError,
+        ClothSolver, ClothState, ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

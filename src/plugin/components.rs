@@ -51,10 +51,8 @@ impl ClothMesh {
     /// Refuses what is not a number: it would not even equal itself.
     pub(super) fn validate(&self) -> Result<(), ClothError> {
         let distance = |value: f32| value >= 0.0 && value.is_finite();
-        let fields = [
-            ("weld_distance", self.weld_distance.is_none_or(distance)),
-            ("warp_angle", self.warp_angle.is_finite()),
-        ];
+        let fields =
+            [("weld_distance", self.weld_distance.is_none_or(distance)), ("warp_angle", self.warp_angle.is_finite())];
         match fields.into_iter().find(|(_, valid)| !valid) {
             Some((field, _)) => Err(ClothError::Description { field }),
             None => Ok(()),

@@ -49,14 +49,7 @@ impl ClothInertia {
     /// For capes, skirts and hair of game characters, who run and turn faster than people: three quarters of the motion are felt, 5 m/s
     /// and one turn a second at most.
     pub const fn character() -> Self {
-        Self {
-            linear: 0.75,
-            angular: 0.75,
-            max_speed: 5.0,
-            max_turn: TAU,
-            max_acceleration: 100.0,
-            jump_speed: 8.0,
-        }
+        Self { linear: 0.75, angular: 0.75, max_speed: 5.0, max_turn: TAU, max_acceleration: 100.0, jump_speed: 8.0 }
     }
 
     /// Every motion is felt, however sudden: for measurements and machines.

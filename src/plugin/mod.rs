@@ -2,22 +2,40 @@
 //!
 //! # What happens when
 //!
+//! Around the fixed loop, once per frame (`motion`): where the last frame left what holds cloth or touches it is noted, and how its
+//! ticks moved it. So each tick can see these at its own time.
+//!
+//! In the schedule of [`ClothPlugin`] (`FixedUpdate`), once per tick:
+//! 1. [`ClothSystems::Collect`]: the time that the tick sees is set. Transforms at that time (`motion`, `follow`), [`ClothPins`],
+//!    [`ClothPinTargets`], [`ClothMaterial`], [`ClothQuality`] or [`ClothSolver`], [`ClothContact`], [`ClothInertia`] and
+//!    [`ClothGravity`] go to the physics; with them, each [`ClothCollider`] near the cloth. What a cloth does not feel of the motion of
+//!    its entity (jumps, and what [`ClothInertia`] leaves out) carries it.
+//! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side. [`ClothContacts`] are filled.
+//!
 //! In `PostUpdate`, once per frame:
 //! 1. [`ClothSystems::Initialise`]: an entity with [`ClothMesh`] and a loaded [`Mesh3d`] gets a copy of the mesh of its own
 //!    and a [`ClothState`], which holds the physics. Likewise when its description or its mesh changes.
 //!    [`ClothMeshCollider`]s become [`ClothCollider`]s.
-//! 2. [`ClothSystems::WriteBack`]: positions between the last two steps, in the space of the entity, go to that copy with
-//!    normals, tangents and the [`Aabb`](bevy::camera::primitives::Aabb), if they changed. [`ClothError`]s are shown.
-//!
-//! In the schedule of [`ClothPlugin`] (`FixedUpdate`), once per step:
-//! 1. [`ClothSystems::Collect`]: transforms, [`ClothPins`], [`ClothPinTargets`], [`ClothMaterial`], [`ClothQuality`] or
-//!    [`ClothSolver`], [`ClothContact`] and [`ClothGravity`] go to the physics; with them, each [`ClothCollider`] near the cloth.
-//! 2. [`ClothSystems::Step`]: every cloth takes a step, side by side. [`ClothContacts`] are filled.
+//! 2. [`ClothSystems::WriteBack`]: positions between the last two steps, in the space of the entity and led around the colliders that
+//!    are drawn (`picture`), go to that copy with normals, tangents and the [`Aabb`](bevy::camera::primitives::Aabb), if they changed.
+//!    [`ClothError`]s are shown.
 //!
 //! With a [`ClothBudget`], `Collect` begins by deciding how accurate each cloth may be and whether it is stepped in this
 //! run, and `Step` and `WriteBack` end by taking note of what that took.
 //!
-//! Systems that move what holds a cloth belong before `Collect`; those that read the cloth, after `Step`.
+//! # Who may move what, and when
+//!
+//! Whatever holds cloth or touches it may be moved in any schedule, at any frame rate, each bone of a hierarchy in another one:
+//! - In a fixed schedule, before `Collect`: cloth sees it in the same tick.
+//! - In `Update`, `PreUpdate`, or by animation in `PostUpdate`: cloth sees it about one frame late, at the times of its ticks. This is not
+//!   visible: pins are drawn exactly where they are held, and cloth that touches something is drawn beside it.
+//! - By a physics engine, eased between its ticks or not: as in a fixed schedule. An engine that runs after the cloth is seen a tick late.
+//!
+//! Systems that read the cloth belong after `Step`. A jump is recognized where it changes the speed of what holds the cloth by more than
+//! [`ClothInertia::jump_speed`]; smaller ones can be told by [`ClothTeleport`]. What moves while the time stands still has jumped.
+//!
+//! With a schedule that is not fixed (`ClothPlugin::new(Update)`), a frame is a step, and only what was moved before `Collect` in that frame is
+//! seen in it.
 //!
 //! The physics ([`crate::physics`]) knows world space and metres only: an entity's scale makes its cloth larger, heavier
 //! and wider-folded, as real cloth of that size.
@@ -46,9 +64,7 @@ mod state;
 mod step;
 mod write_back;
 
-use bevy::app::{
-    FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, RunFixedMainLoop, RunFixedMainLoopSystems,
-};
+use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};

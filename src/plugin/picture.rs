@@ -57,7 +57,8 @@ impl ClothState {
         } else {
             (alpha, drawn.as_ref().ok()?.inverse())
         };
-        let mut from = ShownFrom { revision: self.revision, alpha, frame, obstacles: Vec::new(), drawn: DAffine3::IDENTITY };
+        let mut from =
+            ShownFrom { revision: self.revision, alpha, frame, obstacles: Vec::new(), drawn: DAffine3::IDENTITY };
         if let Ok(drawn) = drawn
             && !still
         {

@@ -199,7 +199,9 @@ impl Binding {
         let held = vertices.iter().map(|&vertex| self.local(vertex));
         let around = held.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
         let (low, high) = if vertices.is_empty() { self.bounds } else { around };
-        core::array::from_fn(|i| DVec3::new([low.x, high.x][i & 1], [low.y, high.y][i >> 1 & 1], [low.z, high.z][i >> 2]))
+        core::array::from_fn(|i| {
+            DVec3::new([low.x, high.x][i & 1], [low.y, high.y][i >> 1 & 1], [low.z, high.z][i >> 2])
+        })
     }
 
     /// Rest position of a vertex in the space of the mesh.

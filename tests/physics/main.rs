@@ -3,6 +3,7 @@
 mod analytic;
 mod assembly;
 mod bending;
+mod carry;
 mod contact;
 mod contact_between;
 mod derivatives;

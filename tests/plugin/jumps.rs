@@ -125,7 +125,8 @@ fn a_floating_origin_moves_everything_and_nothing_notices() {
     for (hz, fps) in rates() {
         for way in [1.5, 3.0, 1e3, 1e5] {
             let mut app = app_at(hz, Mover::Update);
-            let floor = app.world_mut().spawn((ClothCollider::cuboid(3.0, 0.2, 3.0), Transform::from_xyz(0.0, -0.1, 0.0))).id();
+            let floor =
+                app.world_mut().spawn((ClothCollider::cuboid(3.0, 0.2, 3.0), Transform::from_xyz(0.0, -0.1, 0.0))).id();
             let sheet = Plane3d::new(Vec3::Y, Vec2::splat(0.4)).mesh().subdivisions(7).build();
             let lying = spawn(&mut app, sheet, Transform::from_xyz(0.0, 0.02, 0.0));
             let (wearer, hanging) = hung(&mut app);
@@ -189,7 +190,9 @@ fn a_flag_on_a_vehicle_feels_the_air_at_any_speed_and_rate() {
         let cloth = spawn(&mut app, cape(10, 0.0), (collar(), ClothMaterial(fabric), ChildOf(wearer)));
         app.add_systems(
             FixedUpdate,
-            (move |mut at: Query<&mut Transform, Without<ClothMesh>>| at.single_mut().unwrap().translation.z += speed / hz as f32)
+            (move |mut at: Query<&mut Transform, Without<ClothMesh>>| {
+                at.single_mut().unwrap().translation.z += speed / hz as f32
+            })
                 .before(ClothSystems::Collect),
         );
         let start = local(&app, cloth)[110];

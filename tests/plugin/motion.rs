@@ -60,13 +60,14 @@ fn shake_of(hz: f64, mover: Mover, moved: fn(f32) -> Transform, lengths: &[f64])
     let cloth = worn(&mut app, moved);
     let all = || lengths.iter().copied().cycle();
     let seconds = |from: f64, to: f64| {
-        all().scan(0.0, |t, length| {
-            *t += length;
-            Some((*t, length))
-        })
-        .skip_while(move |(t, _)| *t < from)
-        .take_while(move |(t, _)| *t < to)
-        .map(|(_, length)| length)
+        all()
+            .scan(0.0, |t, length| {
+                *t += length;
+                Some((*t, length))
+            })
+            .skip_while(move |(t, _)| *t < from)
+            .take_while(move |(t, _)| *t < to)
+            .map(|(_, length)| length)
     };
     for length in seconds(0.0, 2.5) {
         frame(&mut app, length);
@@ -149,10 +150,9 @@ fn what_is_eased_between_ticks_is_where_the_ticks_put_it() {
     };
     for fps in [30.0, 60.0, 144.0] {
         let mut app = app_at(64.0, Mover::Update);
-        app.add_systems(FixedFirst, back).add_systems(FixedPostUpdate, step).add_systems(
-            RunFixedMainLoop,
-            ease.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
-        );
+        app.add_systems(FixedFirst, back)
+            .add_systems(FixedPostUpdate, step)
+            .add_systems(RunFixedMainLoop, ease.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop));
         let eased = Eased(runs(0.0), runs(0.0));
         let wearer = app.world_mut().spawn((runs(0.0), eased)).id();
         let cloth = spawn(&mut app, cape(10, 0.0), (collar(), ChildOf(wearer)));
@@ -198,7 +198,8 @@ fn pin_targets_may_be_moved_once_a_frame() {
         let mut app = app_at(64.0, Mover::FixedUpdate);
         let grab = |time: Res<Time>, mut targets: Query<&mut ClothPinTargets>| {
             let x = 1.5 * time.elapsed_secs();
-            targets.single_mut().unwrap().0 = [(0, Vec3::new(x - 0.4, 0.0, 0.0)), (10, Vec3::new(x + 0.4, 0.0, 0.0))].into();
+            targets.single_mut().unwrap().0 =
+                [(0, Vec3::new(x - 0.4, 0.0, 0.0)), (10, Vec3::new(x + 0.4, 0.0, 0.0))].into();
         };
         match mover {
             Mover::FixedUpdate => app.add_systems(FixedUpdate, grab.before(ClothSystems::Collect)),

@@ -327,14 +327,7 @@ impl Cloth {
         let around = |from, to| Surroundings { colliders, settings, from, to };
         let least = self.settings.substeps.max(1);
         in_pool(ordering.part_starts.len(), || {
-            let whole = engine::Step {
-                dt,
-                gravity,
-                masses: inner_masses,
-                mass: *mass,
-                pins,
-                around: around(0.0, 1.0),
-            };
+            let whole = engine::Step { dt, gravity, masses: inner_masses, mass: *mass, pins, around: around(0.0, 1.0) };
             let substeps = least.max(engine.pieces(whole, state));
             let share = |done| f64::from(done) / f64::from(substeps);
             self.last_share = share(1);

@@ -61,7 +61,6 @@ impl Glides {
 #[derive(Default)]
 pub(in crate::plugin) struct TargetWays(BTreeMap<u32, Way<Vec3>>);
 
-
 impl TargetWays {
     /// Takes note of what the frame left that ended at `time`.
     pub fn end_frame(&mut self, targets: &ClothPinTargets, time: f64, oldest: f64) {

@@ -306,16 +306,20 @@ mod tests {
     #[test]
     fn a_transform_that_is_written_back_with_rounding_keeps_its_past() {
         let mut way = Way::new(0.0, Vec3::X);
-        way.end_frame(1.0, Vec3::X * 2.0, 0.0, NEVER);
-        way.tick(1.0, Vec3::X * 2.000001, false);
-        assert!((way.at(0.5).x - 1.5).abs() < 1e-5);
+        for frame in 1..=3 {
+            way.end_frame(f64::from(frame), Vec3::X * (1 + frame) as f32, 0.0, NEVER);
+        }
+        way.tick(3.0, Vec3::X * 4.000001, false);
+        assert!((way.at(2.5).x - 3.5).abs() < 1e-5, "{}", way.at(2.5));
     }
 
     #[test]
     fn turns_go_on_about_their_axis() {
         let turn = |angle: f32| Quat::from_rotation_y(angle);
         let mut way = Way::new(0.0, turn(0.0));
-        way.end_frame(1.0, turn(0.2), 0.0, |_| false);
-        assert!(way.at(1.5).abs_diff_eq(turn(0.3), 1e-6) && way.at(0.5).abs_diff_eq(turn(0.1), 1e-6));
+        for frame in 1..=3 {
+            way.end_frame(f64::from(frame), turn(0.2 * frame as f32), 0.0, |_| false);
+        }
+        assert!(way.at(3.5).abs_diff_eq(turn(0.7), 1e-6) && way.at(2.5).abs_diff_eq(turn(0.5), 1e-6));
     }
 }
