@@ -193,7 +193,7 @@ fn a_flag_on_a_vehicle_feels_the_air_at_any_speed_and_rate() {
             (move |mut at: Query<&mut Transform, Without<ClothMesh>>| {
                 at.single_mut().unwrap().translation.z += speed / hz as f32
             })
-                .before(ClothSystems::Collect),
+            .before(ClothSystems::Collect),
         );
         let start = local(&app, cloth)[110];
         let mut streamed: f32 = 0.0;

@@ -32,7 +32,7 @@ pub(super) use glide::{Glides, TargetWays};
 const JUMP: f32 = 8.0;
 /// The same of a turn, rad/s: a cape swings half a meter behind the axis of its wearer.
 const TURN: f32 = 16.0;
-/// Frames for which an entity is remembered that nobody asks for.
+/// Ticks for which an entity is remembered that nobody asks for.
 const FORGET: u32 = 30;
 /// Smallest factor of a scale over the largest that is not flat: the inverse of less is rounding.
 const FLAT: f32 = 1e-6;
@@ -45,8 +45,7 @@ pub(super) struct Motions {
     enabled: bool,
     clock: Clock,
     nodes: EntityHashMap<Node>,
-    /// Counts frames and ticks.
-    frame: u32,
+    /// Counts ticks.
     tick: u32,
     /// Time that the tick before this one saw, s.
     seen_before: Option<f64>,
@@ -62,8 +61,6 @@ struct Node {
     translation: Way<Vec3>,
     rotation: Way<Quat>,
     scale: Way<Vec3>,
-    /// Frame that it was last asked for in.
-    asked: u32,
     /// Tick that it was last asked for in.
     ticked: u32,
     /// Tick that sees it elsewhere than the past led, without a motion.
@@ -93,7 +90,6 @@ impl Motions {
             enabled,
             clock: Clock::default(),
             nodes: EntityHashMap::default(),
-            frame: 0,
             tick: 0,
             seen_before: None,
             time_passed: false,
@@ -127,13 +123,12 @@ impl Motions {
             self.nodes.remove(&entity);
             return None;
         }
-        let (time, frame, tick) = (self.clock.previous, self.frame, self.tick);
+        let (time, tick) = (self.clock.previous, self.tick);
         let node = self.nodes.entry(entity).or_insert_with(|| Node::new(time, transform, parent));
-        node.asked = frame;
         if node.parent == parent {
             node.tick(time, transform, tick == node.ticked);
         } else {
-            *node = Node { asked: frame, rewritten: tick, ..Node::new(time, transform, parent) };
+            *node = Node { rewritten: tick, ..Node::new(time, transform, parent) };
         }
         node.ticked = tick;
         Some(node)
@@ -147,7 +142,6 @@ impl Node {
             translation: Way::new(time, transform.translation),
             rotation: Way::new(time, transform.rotation),
             scale: Way::new(time, transform.scale),
-            asked: 0,
             ticked: 0,
             rewritten: 0,
         }
@@ -211,23 +205,22 @@ pub(super) fn before_ticks(
     let motions = &mut *motions;
     let delta = time.delta_secs_f64();
     motions.clock.begin_frame(time.elapsed_secs_f64(), delta, fixed.overstep().as_secs_f64());
-    motions.frame = motions.frame.wrapping_add(1);
-    let (frame, tick) = (motions.frame, motions.tick.wrapping_add(1));
+    let next = motions.tick.wrapping_add(1);
     let (previous, oldest) = (motions.clock.previous, motions.clock.oldest());
     let time_passed = core::mem::replace(&mut motions.time_passed, delta > 0.0);
     motions.nodes.retain(|&entity, node| {
         let Ok((transform, parent)) = transforms.get(entity) else { return false };
-        if frame.wrapping_sub(node.asked) > FORGET || !is_sane(transform) {
+        if next.wrapping_sub(node.ticked) > FORGET || !is_sane(transform) {
             return false;
         }
         let parent = parent.map(ChildOf::parent);
         if parent != node.parent {
-            *node = Node { asked: node.asked, rewritten: tick, ..Node::new(previous, transform, parent) };
+            *node = Node { ticked: node.ticked, rewritten: next, ..Node::new(previous, transform, parent) };
         } else if time_passed {
             node.end_frame(previous, transform, oldest);
         } else if !node.is_seen_at(transform) {
             node.forget(previous, transform);
-            node.rewritten = tick;
+            node.rewritten = next;
         }
         true
     });
