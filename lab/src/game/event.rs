@@ -54,7 +54,7 @@ enum Event {
     Target,
 }
 
-const EVENTS: [Event; 22] = [
+const EVENTS: [Event; 21] = [
     Event::Paused(0.3),
     Event::Paused(1.0),
     Event::Paused(50.0),
@@ -66,7 +66,6 @@ const EVENTS: [Event; 22] = [
     Event::ShiftCape(1.5),
     Event::ShiftCape(3.0),
     Event::ShiftCape(1000.0),
-    Event::ShiftBox(0.3),
     Event::ShiftBox(1.5),
     Event::ShiftBox(3.0),
     Event::ShiftBox(1000.0),
