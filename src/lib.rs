@@ -6,13 +6,13 @@
 //! use bevy_cloth::prelude::*;
 //!
 //! fn spawn_flag(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
-//!     let sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(30);
+//!     let sheet = Plane3d::new(Vec3::Y, Vec2::splat(0.5)).mesh().subdivisions(30);
 //!     commands.spawn((
 //!         Mesh3d(meshes.add(sheet)),
 //!         Transform::from_xyz(0.0, 2.0, 0.0),
 //!         ClothMesh::default(),
 //!         ClothMaterial::cotton(),
-//!         ClothPins::where_position(|p| p.y > 0.49),
+//!         ClothPins::where_position(|p| p.z < -0.49 && p.x.abs() > 0.49), // two of its corners
 //!     ));
 //! }
 //!

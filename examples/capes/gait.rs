@@ -10,6 +10,13 @@ const SET_OFF: f32 = 1.0;
 /// Length of two steps, in metres.
 const STRIDE: f32 = 1.45;
 
+/// How long two steps take when it has set off, in seconds.
+#[allow(dead_code, reason = "of what includes this file, only the runner repeats two steps")]
+pub const PERIOD: f32 = STRIDE / SPEED;
+/// When all steps are alike, in seconds.
+#[allow(dead_code, reason = "likewise")]
+pub const EVEN: f32 = SET_OFF;
+
 /// A moment of the walk.
 #[derive(Clone, Copy)]
 pub struct Gait {
@@ -22,14 +29,14 @@ pub struct Gait {
 }
 
 /// The side of the body.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
     Left,
     Right,
 }
 
 /// What turns.
-#[derive(Component, Clone, Copy)]
+#[derive(Component, Clone, Copy, Debug)]
 pub enum Joint {
     Hip(Side),
     Knee(Side),

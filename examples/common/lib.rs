@@ -25,3 +25,8 @@ pub mod sheet;
 pub mod stage;
 pub mod summary;
 pub mod windowed;
+
+/// What the README shows compiles. It is here because here is all that draws.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lab::{bench, budget, contact, stability, trade, validate};
+use lab::{bench, budget, contact, game, stability, trade, validate};
 
 /// Measures bevy_cloth.
 #[derive(Parser)]
@@ -31,6 +31,9 @@ enum Command {
     /// Is contact right, and what does it cost: friction, depth, rest, impacts on solids of every kind. Status 1 if a figure is not
     /// what is wanted.
     Contact(contact::Options),
+    /// Does it hold in a game's hands: moved in any schedule at any frame rate, jumped, turned, paused, drawn beside what it
+    /// touches. Status 1 if a figure is not what is wanted.
+    Game(game::Options),
 }
 
 fn main() -> ExitCode {
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Command::Budget(options) => budget::run(&options),
         Command::Stability(options) => stability::run(&options),
         Command::Contact(options) => contact::run(&options),
+        Command::Game(options) => game::run(&options),
     };
     match outcome {
         Ok(code) => code,
@@ -86,6 +90,7 @@ mod tests {
             "lab stability --only -1",
             "lab contact --only moon",
             "lab contact --sizes 1",
+            "lab game --only chess",
         ] {
             let refused = Cli::try_parse_from(line.split_whitespace()).err().unwrap_or_else(|| panic!("{line}"));
             assert_eq!(refused.exit_code(), 2, "{line}");

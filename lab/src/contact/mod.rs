@@ -12,7 +12,6 @@ mod fit;
 mod impact;
 mod machine;
 mod rest;
-mod row;
 mod runner;
 mod slope;
 pub mod solid;
@@ -21,7 +20,6 @@ mod towel;
 mod trial;
 mod wrap;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -29,9 +27,10 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPoolBuilder;
 
-pub use row::{Row, Wanted};
+pub use crate::row::{Row, Wanted};
 
 use crate::report::JsonLines;
+use crate::row;
 
 /// Options of contact.
 #[derive(Args, Clone, Debug)]
@@ -154,9 +153,5 @@ pub fn run(options: &Options) -> Result<ExitCode, String> {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let missed = rows.iter().filter(|row| !row.met).count();
-    let text = format!("{}\n{} rows, {missed} miss what is wanted\n", row::table(&rows), rows.len());
-    // A reader that closes the pipe has seen enough: the verdict still counts.
-    let _ = std::io::stdout().write_all(text.as_bytes());
-    Ok(if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(row::conclude(&rows))
 }

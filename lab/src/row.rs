@@ -1,4 +1,7 @@
-//! What is wanted of contact and what came out.
+//! What is wanted of a scene and what came out.
+
+use std::io::Write;
+use std::process::ExitCode;
 
 use serde::Serialize;
 
@@ -79,6 +82,15 @@ pub fn table(rows: &[Row]) -> Table {
         table.row([row.scene.clone(), row.what.clone(), figure(row.measured), row.wanted.text(), verdict.into()]);
     }
     table
+}
+
+/// Prints the rows and how many of them miss what is wanted. The status is 1 if one does.
+pub fn conclude(rows: &[Row]) -> ExitCode {
+    let missed = rows.iter().filter(|row| !row.met).count();
+    let text = format!("{}\n{} rows, {missed} miss what is wanted\n", table(rows), rows.len());
+    // A reader that closes the pipe has seen enough: the verdict still counts.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    if missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 #[cfg(test)]
