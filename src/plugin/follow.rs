@@ -9,7 +9,7 @@ use super::motion::{Carry, Felt, Glides, Limits, Motion, Motions, Place, TargetW
 use super::state::{ClothState, same_scale, usable};
 
 /// Speed at which a vertex that has just come to be held is taken to its place within a tick at most, m/s. Beyond it glides.
-const CAUGHT: f64 = 2.5;
+const CAUGHT: f64 = 1.8;
 /// Iterations of a polar decomposition: quadratic convergence, for scales that are up to a hundredfold from one tick to the next.
 const POLAR: u32 = 12;
 

@@ -61,6 +61,43 @@ fn facing_about_and_steps_within_a_frame_do_not_whip_the_cape() {
     }
 }
 
+/// Found where the cape was carried right and its pins then went the way that they had come.
+#[test]
+fn facing_about_on_the_run_does_not_whip_the_cape() {
+    for (hz, fps) in rates() {
+        for mover in [Mover::FixedUpdate, Mover::Update] {
+            for back in [1.0, -1.0] {
+                let mut app = app_at(hz, mover);
+                let wearer = app.world_mut().spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id();
+                let cloth = spawn(&mut app, cape(10, 0.25), (collar(), ChildOf(wearer)));
+                #[derive(Resource)]
+                struct Run(f32);
+                let run = |time: Res<Time>, run: Res<Run>, mut at: Query<&mut Transform, Without<ClothMesh>>| {
+                    at.single_mut().unwrap().translation.z -= run.0 * time.delta_secs();
+                };
+                app.insert_resource(Run(0.0));
+                match mover {
+                    Mover::FixedUpdate => app.add_systems(FixedUpdate, run.before(ClothSystems::Collect)),
+                    _ => app.add_systems(Update, run),
+                };
+                for i in 0..(2.0 * fps) as usize {
+                    app.world_mut().resource_mut::<Run>().0 = (12.0 * i as f32 / fps as f32).min(6.0);
+                    frame(&mut app, 1.0 / fps);
+                }
+                edit(&mut app, wearer, |at| at.rotate_y(PI));
+                app.world_mut().resource_mut::<Run>().0 *= back;
+                let mut worst = Worst::default();
+                for _ in 0..(0.5 * fps) as usize {
+                    frame(&mut app, 1.0 / fps);
+                    worst.look(&app, cloth, Vec3::ZERO);
+                }
+                worst.speed -= 6.0;
+                worst.assert_calm(&format!("{hz} Hz, {fps}, {mover:?}, {back}"));
+            }
+        }
+    }
+}
+
 #[test]
 fn a_dash_does_not_whip_the_cape() {
     for (hz, fps) in rates() {

@@ -1,7 +1,7 @@
 //! What of the motion of its entity a cloth feels.
 //!
-//! The motion M of a frame in a tick is split into P F: the cloth is carried by P as it is, with its history, and feels F, in which its
-//! pins drag it. Most motions are felt wholly: then P is the identity. Everything is judged by the held vertices, so that a turn counts
+//! The motion M of a frame in a tick is split into F P: the cloth is carried by P as it is, with its history, and then feels F, in which
+//! its pins drag it. Most motions are felt wholly: then P is the identity. Everything is judged by the held vertices, so that a turn counts
 //! by how far it swings them, and by accelerations, so that nothing depends on how fast the world goes by or on the length of a tick.
 
 use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
@@ -156,7 +156,9 @@ impl Felt {
         carry.unfelt = self.velocity - slowed;
         let whole = deviation <= gentle && slowed == self.velocity && steadied == self.turn;
         if !whole {
-            carry.map = motion.affine() * felt(slowed, steadied).affine().inverse();
+            // About where the middle is once it was carried.
+            let about = middle + (velocity - slowed) * dt;
+            carry.map = Motion::of(slowed, steadied, about, dt).affine().inverse() * motion.affine();
             let rotation = rotation_of(carry.map.matrix3);
             // Folds turn along; the speed of the whole stays as it was until it is seen to have turned.
             let mean = slowed;
