@@ -55,6 +55,7 @@ pub(super) fn collect(
         let transform = transforms.compute_global_transform(entity).unwrap_or(*propagated);
         state.collect_transform(&transform, cloth_mesh.teleport_distance.into());
         if !state.suspended && state.pace.is_due() {
+            state.breathe();
             state.place_pins(targets);
         }
     }

@@ -30,6 +30,7 @@ mod contact;
 mod debug;
 mod diagnostics;
 mod error;
+mod imperfection;
 mod initialise;
 mod lifecycle;
 mod material;
