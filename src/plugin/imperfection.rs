@@ -19,6 +19,7 @@ const DEPTH: f64 = 1e-3;
 const WAVES: f64 = 4.0;
 /// Off an upright plane by less than this, relative to the size, it is plane. What is farther off falls as soon by itself.
 const PLANE: f64 = 1e-4;
+
 impl ClothState {
     /// Where a cloth that has not moved yet would never leave its plane, starts it out of it.
     pub(super) fn breathe(&mut self) {
