@@ -21,10 +21,13 @@ const WAVES: f64 = 4.0;
 const PLANE: f64 = 1e-4;
 
 impl ClothState {
-    /// Where a cloth that has not moved yet would never leave its plane, starts it out of it.
+    /// Where a held cloth that has not moved yet would never leave its plane, starts it out of it. One that is not held falls as it
+    /// is: nothing presses it together.
     pub(super) fn breathe(&mut self) {
+        let held = self.is_anchored();
         let cloth = &mut self.cloth;
-        if !self.stepped
+        if held
+            && !self.stepped
             && cloth.velocities().iter().all(|v| *v == DVec3::ZERO)
             && let Some(velocities) = breath(cloth)
         {
