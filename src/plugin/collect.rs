@@ -61,6 +61,7 @@ pub(super) fn collect(
         let limits = state.limits;
         state.follow(&place, &limits, dt);
         if !state.suspended && state.pace.is_due() {
+            state.breathe();
             state.place_pins(targets, places.times(), &limits, state.pace.pending + dt);
         }
     }

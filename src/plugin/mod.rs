@@ -49,6 +49,7 @@ mod debug;
 mod diagnostics;
 mod error;
 mod follow;
+mod imperfection;
 mod inertia;
 mod initialise;
 mod lifecycle;

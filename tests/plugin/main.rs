@@ -11,6 +11,7 @@ mod contact_mesh;
 mod debug;
 mod diagnostics;
 mod errors;
+mod flag;
 mod jumps;
 mod lifecycle;
 mod motion;
