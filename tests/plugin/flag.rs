@@ -83,6 +83,6 @@ fn what_lies_or_leans_begins_at_rest() {
         run(&mut app, 10);
         // Without pins it falls as one piece.
         let velocities = state(&app, cloth).cloth().velocities();
-        assert!(velocities.iter().all(|v| v.distance(velocities[0]) < 1e-5), "{angle}");
+        assert!(velocities.iter().all(|v| v.distance(velocities[0]) < 1e-3), "{angle}");
     }
 }
