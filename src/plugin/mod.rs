@@ -22,6 +22,7 @@
 //! The physics ([`crate::physics`]) knows world space and metres only: an entity's scale makes its cloth larger, heavier
 //! and wider-folded, as real cloth of that size.
 
+mod advice;
 mod budget;
 mod collect;
 mod components;
@@ -37,9 +38,13 @@ mod mesh_io;
 mod pace;
 mod pins;
 mod quality;
+mod rescale;
+mod seams;
 mod shading;
+mod sources;
 mod state;
 mod step;
+mod winding;
 mod write_back;
 
 use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate};
@@ -142,6 +147,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothBudgetReport>()
             .init_resource::<budget::Keeper>()
             .init_resource::<contact::Surroundings>()
+            .init_resource::<sources::Sources>()
             .insert_resource(write_back::Interpolate(self.interpolate && self.is_fixed()))
             .configure_sets(self.schedule, (ClothSystems::Collect, ClothSystems::Step).chain())
             .configure_sets(
@@ -179,6 +185,8 @@ impl Plugin for ClothPlugin {
                     (
                         write_back::write_back,
                         error::report_faults,
+                        advice::advise,
+                        seams::tell_of_seams,
                         budget::close_frame.run_if(resource_exists::<ClothBudget>),
                     )
                         .chain()
@@ -209,7 +217,10 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothDisabled>()
             .register_type::<ClothError>()
             .register_type::<ClothGravity>()
-            .register_type::<ClothReset>();
+            .register_type::<ClothReset>()
+            .register_type::<ClothTouch>()
+            .register_type::<PinRule>()
+            .register_type::<PinChannel>();
         #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
         app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
         #[cfg(feature = "avian3d")]
