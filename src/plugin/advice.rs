@@ -67,7 +67,8 @@ impl ClothState {
         if held.is_empty() {
             if pins.asks_for_vertices() && lost == 0 {
                 let positions = &self.binding.mesh.positions;
-                let [min, max] = extent(positions.iter().map(|p| p.as_dvec3()));
+                // Zero has two signs, and one is told.
+                let [min, max] = extent(positions.iter().map(|p| p.as_dvec3())).map(|corner| corner + DVec3::ZERO);
                 tracing::warn!(
                     "cloth {name}: `ClothPins` holds none of {} vertices (the mesh spans x {}..{}, y {}..{}, z {}..{}; \
                      positions are those of the mesh, before the entity's transform)",

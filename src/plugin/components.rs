@@ -12,11 +12,14 @@ use crate::physics::{BendingModel, RestShapeOptions};
 /// Makes the mesh of this entity's [`Mesh3d`] cloth.
 ///
 /// The mesh as it stands, scaled by the entity's transform, is the undeformed cloth. The entity gets a copy of its own,
-/// so several cloths may share a mesh handle. A clone of the entity, or another cloth on the handle of that copy, is made of the
-/// same source as the first, at rest. The copy follows the source where other attributes than positions, indices and texture
-/// coordinates change there, such as colors; where these change, the cloth is built again. A [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh)
-/// or `MeshMorphWeights` beside it is removed: cloth takes the mesh as it is bound. Changing any field but [`ClothMesh::teleport_distance`] builds the cloth
-/// again, at rest. Removing the component ends the simulation and leaves the mesh as it was draped; trigger
+/// so several cloths may share a mesh handle. A clone of the entity, or another cloth on the handle of that copy, is made of
+/// the same source as the first, at rest. Where something writes positions, indices or texture coordinates of the source, the
+/// cloth is built again; other attributes, such as colors, are taken over while it runs. A
+/// [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) or `MeshMorphWeights` beside it is removed: cloth takes the mesh as it
+/// is bound.
+///
+/// Changing any field but [`ClothMesh::teleport_distance`] builds the cloth again, at rest. A new scale of the entity does
+/// not: the cloth is measured again and goes on. Removing the component ends the simulation and leaves the mesh as it was draped; trigger
 /// [`ClothReset`](super::ClothReset) first, or set [`Mesh3d`] to
 /// [`ClothState::source_mesh`](super::ClothState::source_mesh), to have it undeformed. Added again, it takes the
 /// mesh as it then is for the undeformed one.

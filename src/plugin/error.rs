@@ -9,9 +9,9 @@ use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsErr
 
 /// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
 ///
-/// Inserted on the entity and logged once (but for [`ClothError::Transform`], which is usual for what grows out of nothing);
-/// removed again when the cause is gone. A cloth that already runs goes on with
-/// its last good settings; one that could not start is tried again when one of its components or its mesh changes.
+/// Inserted on the entity and logged once, [`ClothError::Transform`] as a warning, as things may grow out of nothing; removed
+/// again when the cause is gone. A cloth that already runs goes on with its last good settings; one that could not start is
+/// tried again when one of its components or its mesh changes.
 #[derive(Component, Clone, Debug, Error, Reflect)]
 #[reflect(Component, Clone, Debug)]
 #[non_exhaustive]
@@ -131,8 +131,8 @@ impl ClothError {
         self.to_string() == other.to_string()
     }
 
-    /// Whether it is usual for a while, as for what grows out of nothing: no error in the log.
-    fn is_mild(&self) -> bool {
+    /// Whether it may be meant, as for what grows out of nothing: a warning in the log.
+    fn may_be_meant(&self) -> bool {
         matches!(self, Self::Transform)
     }
 }
@@ -181,8 +181,8 @@ pub(super) fn report(
     match (shown, error) {
         (Some(shown), Some(error)) if shown.same_as(error) => {}
         (_, Some(error)) => {
-            if error.is_mild() {
-                tracing::debug!("cloth {name}: {error}");
+            if error.may_be_meant() {
+                tracing::warn!("cloth {name}: {error}");
             } else {
                 tracing::error!("cloth {name}: {error}");
             }

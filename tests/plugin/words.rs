@@ -144,7 +144,10 @@ fn what_grows_out_of_nothing_is_no_error() {
     }
     assert!(error(&app, cloth).is_none());
     assert!(state(&app, cloth).cloth().stretch().max < 0.05);
-    assert_eq!(said("Grown"), [""; 0]);
+    assert_said_once("Grown", &["waits until it is usable"]);
+    let errors =
+        LOG.lock().unwrap().iter().filter(|(level, text)| *level == Level::ERROR && text.contains("Grown")).count();
+    assert_eq!(errors, 0);
 }
 
 #[test]

@@ -5,14 +5,15 @@ use bevy::math::{DAffine3, DMat3, DVec3};
 use super::{Cloth, State};
 use crate::physics::mesh::{MeshError, RestShapeOptions, SurfaceMesh};
 
-/// Share of a length by which a map may distort before the turns of mid-edge normals are found anew: less than that, the sweeps of
-/// the next steps follow.
+/// Share of a length by which a map may distort before the turns of mid-edge normals are found anew: the sweeps of the next
+/// steps follow less than that.
 const DISTORTED: f64 = 0.1;
 
 impl Cloth {
     /// Measures the undeformed cloth again, with the vertices of its mesh elsewhere: stretched, squashed or mirrored. Masses and
     /// elements follow. `map` carries the state along: positions, pin targets, what the integrator remembers, and velocities
-    /// relative to those of the held vertices, or to their mean where none is: what runs on a growing figure runs no faster for it.
+    /// relative to those of the held vertices, or to their mean where none is: the cape of a running figure that grows runs no
+    /// faster.
     ///
     /// Takes a pass over vertices, triangles and edges, where a cloth built anew finds their order, the pattern of the matrix
     /// and the levels of the solver, too.

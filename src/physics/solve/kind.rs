@@ -14,7 +14,8 @@ pub enum SolverKind {
         /// Stop when the residual is that of an acceleration of this size, root mean square, m/s². So the quality of a
         /// solve does not depend on the time step. 0.005 by default.
         tolerance: f32,
-        /// Or when it is this share of what it was for the starting guess: motion need not be solved to the accuracy of rest. 0.03 by default.
+        /// Or when it is this share of what it was for the starting guess: motion need not be solved to the accuracy of rest.
+        /// 0.03 by default.
         relative_tolerance: f32,
         /// Stop after so many iterations anyway; 500 by default.
         max_iterations: u32,
