@@ -1,6 +1,6 @@
 //! What the world says, handed to the physics before a step.
 
-use bevy::math::{DAffine3, DVec3};
+use bevy::math::DVec3;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
@@ -13,8 +13,8 @@ use super::material::ClothMaterial;
 use super::motion::{Place, Places};
 use super::pins::ClothPins;
 use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
-use super::state::{ClothState, representatives, rest_shape};
-use crate::physics::{Cloth, ContactSettings};
+use super::state::ClothState;
+use crate::physics::ContactSettings;
 
 type Described<'a> = (
     Entity,
@@ -118,8 +118,10 @@ impl ClothState {
         if changed == self.pins_changed {
             return;
         }
-        // The own copy has every attribute that the source had, and cannot be unloaded.
-        let Some(mesh) = meshes.get(&self.binding.own) else { return };
+        // Rules speak of the source. Where that was unloaded, the own copy has every attribute that it had.
+        let readable = |mesh: &&Mesh| mesh.try_attributes().is_ok();
+        let source = meshes.get(&self.binding.source).filter(readable);
+        let Some(mesh) = source.or_else(|| meshes.get(&self.binding.own)) else { return };
         let resolved = match rules {
             Some(rules) => rules.resolve(mesh, &self.binding.mesh.positions, &self.binding.shading.rest_normals),
             None => Ok(Vec::new()),
@@ -135,29 +137,5 @@ impl ClothState {
             Ok(limits) => self.limits = limits,
             Err(error) => self.faults.inertia = Some(error),
         }
-    }
-
-    /// Measures the rest shape again under a transform of another scale, and keeps the deformation.
-    pub(super) fn rescale_to(&mut self, anchor: DAffine3) -> Result<(), ClothError> {
-        let Self { cloth: old, binding, .. } = self;
-        let shape = rest_shape(&binding.mesh, anchor.matrix3, &binding.options)?;
-        let representatives = representatives(&shape);
-        let same_vertices = shape.simulated == old.shape().simulated;
-        let mut cloth = Cloth::new(shape, *old.fabric(), *old.settings())?;
-        cloth.set_gravity(old.gravity());
-        cloth.set_contact_settings(old.contact_settings());
-        if same_vertices {
-            cloth.set_state(old.positions(), old.velocities());
-        }
-        self.cloth = cloth;
-        binding.representatives = representatives;
-        binding.rest_linear = anchor.matrix3;
-        if same_vertices {
-            self.carry_to(anchor);
-        } else {
-            // An absolute weld distance joins other vertices at another scale.
-            self.rest_at(anchor);
-        }
-        Ok(())
     }
 }

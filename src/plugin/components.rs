@@ -12,8 +12,14 @@ use crate::physics::{BendingModel, RestShapeOptions};
 /// Makes the mesh of this entity's [`Mesh3d`] cloth.
 ///
 /// The mesh as it stands, scaled by the entity's transform, is the undeformed cloth. The entity gets a copy of its own,
-/// so several cloths may share a mesh handle. Changing any field builds the cloth again, at rest.
-/// Removing the component ends the simulation and leaves the mesh as it was draped; trigger
+/// so several cloths may share a mesh handle. A clone of the entity, or another cloth on the handle of that copy, is made of
+/// the same source as the first, at rest. Where something writes positions, indices or texture coordinates of the source, the
+/// cloth is built again; other attributes, such as colors, are taken over while it runs. A
+/// [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) or `MeshMorphWeights` beside it is removed: cloth takes the mesh as it
+/// is bound.
+///
+/// Changing any field builds the cloth again, at rest. A new scale of the entity does
+/// not: the cloth is measured again and goes on. Removing the component ends the simulation and leaves the mesh as it was draped; trigger
 /// [`ClothReset`](super::ClothReset) first, or set [`Mesh3d`] to
 /// [`ClothState::source_mesh`](super::ClothState::source_mesh), to have it undeformed. Added again, it takes the
 /// mesh as it then is for the undeformed one.
@@ -23,15 +29,15 @@ use crate::physics::{BendingModel, RestShapeOptions};
 #[require(ClothMaterial, ClothPins, Transform)]
 pub struct ClothMesh {
     /// Vertices nearer than this are one (they are split along seams of normals and texture coordinates), m. `None`: 1e-5
-    /// of the diagonal of the mesh.
+    /// of the diagonal of what triangles use of the mesh. The default.
     pub weld_distance: Option<f32>,
-    /// Take the warp direction from the texture coordinates (growing u) where there are usable ones.
+    /// Take the warp direction from the texture coordinates (growing u) where there are usable ones. True by default.
     pub warp_from_uvs: bool,
-    /// Angle from growing u to the warp, rad, counter-clockwise seen against the normal.
+    /// Angle from growing u to the warp, rad, counter-clockwise seen against the normal. 0 by default.
     pub warp_angle: f32,
-    /// The fabric is flat at rest: folds modelled into the mesh try to open.
+    /// The fabric is flat at rest: folds modelled into the mesh try to open. False by default.
     pub rest_flat: bool,
-    /// How it bends: the rigidity of the fabric whatever the mesh, or at the least cost.
+    /// How it bends: the rigidity of the fabric whatever the mesh, which is the default, or at the least cost.
     pub bending: BendingModel,
 }
 
@@ -87,7 +93,7 @@ pub struct ClothDisabled;
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ClothPinTargets(pub BTreeMap<u32, Vec3>);
 
-/// Acceleration of gravity for every cloth, m/s².
+/// Acceleration of gravity for every cloth, m/s²; 9.81 down by default.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Resource, Default, Clone, PartialEq)]

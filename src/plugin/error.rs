@@ -9,14 +9,34 @@ use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsErr
 
 /// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
 ///
-/// Inserted on the entity and logged once; removed again when the cause is gone. A cloth that already runs goes on with
-/// its last good settings; one that could not start is tried again when one of its components or its mesh changes.
+/// Inserted on the entity and logged once, [`ClothError::Transform`] as a warning, as things may grow out of nothing; removed
+/// again when the cause is gone. A cloth that already runs goes on with its last good settings; one that could not start is
+/// tried again when one of its components or its mesh changes.
 #[derive(Component, Clone, Debug, Error, Reflect)]
 #[reflect(Component, Clone, Debug)]
+#[non_exhaustive]
 pub enum ClothError {
     /// No [`Mesh3d`].
     #[error("there is no mesh: add `Mesh3d` beside `ClothMesh`")]
     NoMesh,
+    /// No [`Mesh3d`] here, but on a child: so does Bevy spawn the nodes of a glTF file.
+    #[error("there is no mesh, but its child {child} has one, as those of a glTF node have: put `ClothMesh` there")]
+    MeshOnChild {
+        /// The child's name, or its entity if it has none.
+        child: String,
+    },
+    /// The handle of [`Mesh3d`] leads to no asset, and nothing loads one.
+    #[error(
+        "there is no mesh asset behind `Mesh3d`, and nothing loads one: the handle is `Handle::default()`, or the asset was \
+         removed; give it a handle from `Assets::<Mesh>::add` or `AssetServer::load`"
+    )]
+    MeshGone,
+    /// The mesh that shows the cloth was removed from the assets, and so was the one it was made of.
+    #[error(
+        "the mesh that shows the cloth was removed from `Assets<Mesh>`, and so was its source: the cloth moves on unseen; give \
+         it another `Mesh3d`"
+    )]
+    OwnMeshGone,
     /// A field of [`ClothMesh`](super::ClothMesh) is not a finite number, or is negative where it must not be.
     #[error("`ClothMesh::{field}` must be finite, and a distance not negative")]
     Description {
@@ -118,6 +138,11 @@ impl ClothError {
     pub(super) fn same_as(&self, other: &Self) -> bool {
         self.to_string() == other.to_string()
     }
+
+    /// Whether it may be meant, as for what grows out of nothing: a warning in the log.
+    fn may_be_meant(&self) -> bool {
+        matches!(self, Self::Transform)
+    }
 }
 
 /// What is wrong with a cloth that runs, by what checks it.
@@ -125,6 +150,7 @@ impl ClothError {
 pub(super) struct Faults {
     /// Building it again failed.
     pub rebuild: Option<ClothError>,
+    pub own_mesh: Option<ClothError>,
     pub transform: Option<ClothError>,
     pub material: Option<ClothError>,
     pub solver: Option<ClothError>,
@@ -140,6 +166,7 @@ impl Faults {
     pub fn first(&self) -> Option<&ClothError> {
         let by_weight = [
             &self.rebuild,
+            &self.own_mesh,
             &self.transform,
             &self.material,
             &self.solver,
@@ -164,7 +191,11 @@ pub(super) fn report(
     match (shown, error) {
         (Some(shown), Some(error)) if shown.same_as(error) => {}
         (_, Some(error)) => {
-            tracing::error!("cloth {name}: {error}");
+            if error.may_be_meant() {
+                tracing::warn!("cloth {name}: {error}");
+            } else {
+                tracing::error!("cloth {name}: {error}");
+            }
             entity.try_insert(error.clone());
         }
         (Some(_), None) => {

@@ -10,8 +10,6 @@ use super::state::{ClothState, same_scale, usable};
 
 /// Speed at which a vertex that has just come to be held is taken to its place within a tick at most, m/s. Beyond it glides.
 const CAUGHT: f64 = 1.8;
-/// Iterations of a polar decomposition: quadratic convergence, for scales that are up to a hundredfold from one tick to the next.
-const POLAR: u32 = 12;
 
 /// What a cloth knows of the motion of its entity.
 #[derive(Default)]
@@ -82,7 +80,7 @@ impl ClothState {
         dt: f64,
     ) -> Result<(), ClothError> {
         if !same_scale(self.binding.rest_linear, now.matrix3) {
-            self.rescale_to(scaled_only(self.seen_anchor, now))?;
+            self.rescale_to(now)?;
         }
         let placed = core::mem::replace(&mut self.placed, false);
         if self.suspended || (placed && self.is_anchored()) {
@@ -248,40 +246,5 @@ impl ClothState {
         // The entity did not move.
         (self.anchor, self.previous_anchor) = anchors;
         offsets.iter_mut().for_each(|(_, offset)| *offset -= mean);
-    }
-}
-
-/// A transform with the scale of `now`, and otherwise as `before`. A mirrored one has no pose in common with the other.
-fn scaled_only(before: DAffine3, now: DAffine3) -> DAffine3 {
-    let map = now.matrix3 * before.matrix3.inverse();
-    if map.determinant() <= 0.0 {
-        return now;
-    }
-    // Newton's iteration to the rotation in the polar decomposition (Higham 1986).
-    let mut rotation = map;
-    for _ in 0..POLAR {
-        rotation = 0.5 * (rotation + rotation.inverse().transpose());
-    }
-    DAffine3 { matrix3: rotation.transpose() * now.matrix3, translation: before.translation }
-}
-
-#[cfg(test)]
-mod tests {
-    use bevy::math::{DMat3, DQuat};
-
-    use super::*;
-
-    #[test]
-    fn a_scale_is_told_from_a_turn() {
-        let before = DAffine3::from_scale_rotation_translation(DVec3::ONE, DQuat::from_rotation_x(0.4), DVec3::X);
-        let turn = DMat3::from_rotation_y(1.3);
-        let stretch = DMat3::from_diagonal(DVec3::new(1.1, 0.9, 1.1));
-        let now = DAffine3 { matrix3: turn * before.matrix3 * stretch, translation: DVec3::Y };
-        let scaled = scaled_only(before, now);
-        assert!(same_scale(scaled.matrix3, now.matrix3) && scaled.translation == DVec3::X);
-        let left = now.matrix3 * scaled.matrix3.inverse();
-        assert!(left.abs_diff_eq(turn, 1e-9), "{left}");
-        let mirrored = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
-        assert_eq!(scaled_only(DAffine3::IDENTITY, mirrored), mirrored);
     }
 }

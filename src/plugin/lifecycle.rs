@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::components::ClothMesh;
 use super::error::ClothError;
+use super::sources::Sources;
 use super::state::{ClothState, usable};
 
 /// Trigger it to put a cloth back to rest, undeformed, where its entity is now:
@@ -26,9 +27,16 @@ pub(super) fn reset(
     state.rest_at(anchor);
 }
 
-/// The mesh stays as it was draped.
-pub(super) fn end(removed: On<Remove, ClothMesh>, mut commands: Commands) {
-    if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(ClothState, ClothError, NoAutoAabb)>();
-    }
+/// The mesh stays as it was draped, and is that of no cloth any more. With the whole entity gone, clones of it may still show
+/// the mesh: for them it stands for its source.
+pub(super) fn end(removed: On<Remove, ClothMesh>, cloths: Query<&ClothState>, mut commands: Commands) {
+    let entity = removed.entity;
+    let own = cloths.get(entity).ok().map(|state| state.own_mesh().id());
+    commands.queue(move |world: &mut World| {
+        let Ok(mut entity) = world.get_entity_mut(entity) else { return };
+        entity.remove::<(ClothState, ClothError, NoAutoAabb)>();
+        if let Some(own) = own {
+            world.resource_mut::<Sources>().forget(own);
+        }
+    });
 }

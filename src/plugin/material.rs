@@ -4,7 +4,8 @@ use bevy::prelude::*;
 
 use crate::physics::Fabric;
 
-/// What the cloth is made of: a [`Fabric`] in physical units (kg/m², N/m, N·m, s). May change at any time.
+/// What the cloth is made of: a [`Fabric`] in physical units (kg/m², N/m, N·m, s), [`Fabric::cotton`] by default.
+/// May change at any time.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]

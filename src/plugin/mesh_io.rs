@@ -1,11 +1,14 @@
 //! Reading and copying Bevy meshes.
 
 use bevy::mesh::{
-    Indices, MeshAccessError, MeshVertexAttributeId, PrimitiveTopology, VertexAttributeValues, VertexFormat,
+    Indices, MeshAccessError, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat,
 };
 use bevy::prelude::*;
 
 use super::error::ClothError;
+
+/// What binds a mesh to bones.
+pub(super) const JOINTS: [MeshVertexAttribute; 2] = [Mesh::ATTRIBUTE_JOINT_INDEX, Mesh::ATTRIBUTE_JOINT_WEIGHT];
 
 /// What cloth takes from a mesh asset, in the space of the mesh.
 pub(super) struct SourceMesh {
@@ -51,6 +54,14 @@ impl SourceMesh {
             positions,
         })
     }
+
+    /// Whether both are the same cloth: the same positions, triangles and texture coordinates.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        // Not as numbers: what is NaN in both is the same.
+        let bits =
+            |uvs: &'_ Option<Vec<[f32; 2]>>| uvs.iter().flatten().map(|uv| uv.map(f32::to_bits)).collect::<Vec<_>>();
+        self.positions == other.positions && self.triangles == other.triangles && bits(&self.uvs) == bits(&other.uvs)
+    }
 }
 
 fn triangles(
@@ -82,9 +93,8 @@ fn triangles(
 pub(super) fn own_copy(mesh: &Mesh, normals: &[[f32; 3]]) -> Mesh {
     let mut copy = Mesh::new(mesh.primitive_topology(), default());
     copy.enable_raytracing = mesh.enable_raytracing;
-    let joints: [MeshVertexAttributeId; 2] = [Mesh::ATTRIBUTE_JOINT_INDEX.into(), Mesh::ATTRIBUTE_JOINT_WEIGHT.into()];
     for (attribute, values) in mesh.try_attributes().into_iter().flatten() {
-        if !joints.contains(&attribute.id) {
+        if !JOINTS.iter().any(|joints| joints.id == attribute.id) {
             copy.insert_attribute(*attribute, values.clone());
         }
     }

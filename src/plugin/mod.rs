@@ -40,6 +40,7 @@
 //! The physics ([`crate::physics`]) knows world space and metres only: an entity's scale makes its cloth larger, heavier
 //! and wider-folded, as real cloth of that size.
 
+mod advice;
 mod budget;
 mod collect;
 mod components;
@@ -60,9 +61,13 @@ mod pace;
 mod picture;
 mod pins;
 mod quality;
+mod rescale;
+mod seams;
 mod shading;
+mod sources;
 mod state;
 mod step;
+mod winding;
 mod write_back;
 
 use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
@@ -168,6 +173,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<budget::Keeper>()
             .init_resource::<contact::Surroundings>()
             .insert_resource(motion::Motions::new(self.is_fixed()))
+            .init_resource::<sources::Sources>()
             .insert_resource(write_back::Interpolate(self.interpolate && self.is_fixed()))
             .configure_sets(self.schedule, (ClothSystems::Collect, ClothSystems::Step).chain())
             .configure_sets(
@@ -220,6 +226,8 @@ impl Plugin for ClothPlugin {
                     (
                         write_back::write_back,
                         error::report_faults,
+                        advice::advise,
+                        seams::tell_of_seams,
                         budget::close_frame.run_if(resource_exists::<ClothBudget>),
                     )
                         .chain()
@@ -253,7 +261,10 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravity>()
             .register_type::<ClothInertia>()
             .register_type::<ClothReset>()
-            .register_type::<ClothTeleport>();
+            .register_type::<ClothTeleport>()
+            .register_type::<ClothTouch>()
+            .register_type::<PinRule>()
+            .register_type::<PinChannel>();
         #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
         app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
         #[cfg(feature = "avian3d")]

@@ -1,5 +1,6 @@
 //! Which vertices are held.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
@@ -32,17 +33,23 @@ pub const ATTRIBUTE_CLOTH_PIN: MeshVertexAttribute =
 pub struct ClothPins {
     /// A vertex is held if any of these says so.
     pub rules: Vec<PinRule>,
-    /// As `rules`, but code: neither reflected nor serialised.
+    /// As `rules`, but code: neither reflected nor serialized.
     #[reflect(ignore)]
     #[cfg_attr(feature = "serialize", serde(skip))]
     predicates: Vec<PinPredicate>,
+    /// How many predicates there were, so that one who comes back without them can tell.
+    #[reflect(default)]
+    #[cfg_attr(feature = "serialize", serde(default))]
+    predicate_count: usize,
 }
 
-/// A rule that chooses vertices. Indices and attributes are those of the mesh asset.
-#[derive(Clone, Debug, PartialEq, Reflect)]
+/// A rule that chooses vertices. Indices, attributes and positions are those of the mesh asset, before the entity's transform.
+#[derive(Clone, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub enum PinRule {
-    /// [`ATTRIBUTE_CLOTH_PIN`] above ½; nothing on a mesh without it.
+    /// [`ATTRIBUTE_CLOTH_PIN`] above ½; nothing on a mesh without it. The default.
+    #[default]
     Authored,
     /// These vertices.
     Indices(Vec<u32>),
@@ -53,7 +60,8 @@ pub enum PinRule {
         /// Lower bound.
         threshold: f32,
     },
-    /// The channel of [`Mesh::ATTRIBUTE_COLOR`] is above the threshold.
+    /// The channel of [`Mesh::ATTRIBUTE_COLOR`] is above the threshold. The attribute has four f32 a vertex, or four 8-bit or
+    /// 16-bit numbers that stand for 0 to 1.
     Color {
         /// The channel.
         channel: PinChannel,
@@ -69,11 +77,13 @@ pub enum PinRule {
     },
 }
 
-/// A channel of a vertex colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+/// A channel of a vertex color: red if nothing is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum PinChannel {
+    #[default]
     Red,
     Green,
     Blue,
@@ -112,14 +122,14 @@ impl Default for ClothPins {
 
 impl From<PinRule> for ClothPins {
     fn from(rule: PinRule) -> Self {
-        Self { rules: vec![rule], predicates: Vec::new() }
+        Self { rules: vec![rule], ..Self::none() }
     }
 }
 
 impl ClothPins {
     /// No vertex, whatever the mesh says.
     pub const fn none() -> Self {
-        Self { rules: Vec::new(), predicates: Vec::new() }
+        Self { rules: Vec::new(), predicates: Vec::new(), predicate_count: 0 }
     }
 
     /// These vertices of the mesh.
@@ -127,14 +137,20 @@ impl ClothPins {
         PinRule::Indices(indices.into_iter().collect()).into()
     }
 
-    /// Vertices whose rest position, in the space of the mesh, satisfies the predicate.
+    /// Vertices whose rest position satisfies the predicate. The position is that in the mesh asset, before the entity's
+    /// transform.
+    ///
+    /// A predicate is code: it is not in a saved scene. [`ClothPins::in_box`] is.
     pub fn where_position(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
         Self::where_vertex(move |vertex| predicate(vertex.position))
     }
 
     /// Vertices that satisfy the predicate.
+    ///
+    /// A predicate is code: it is not in a saved scene. A component that is loaded from there says in a warning how many it has
+    /// lost; the rules that are no code are kept.
     pub fn where_vertex(predicate: impl Fn(&PinVertex) -> bool + Send + Sync + 'static) -> Self {
-        Self { rules: Vec::new(), predicates: vec![PinPredicate(Arc::new(predicate))] }
+        Self { rules: Vec::new(), predicates: vec![PinPredicate(Arc::new(predicate))], predicate_count: 1 }
     }
 
     /// Vertices whose attribute (one f32 each) is above `threshold`.
@@ -142,7 +158,7 @@ impl ClothPins {
         PinRule::Attribute { name: attribute.name.into(), threshold }.into()
     }
 
-    /// Vertices whose colour is above `threshold` in this channel.
+    /// Vertices whose color is above `threshold` in this channel.
     pub fn where_color(channel: PinChannel, threshold: f32) -> Self {
         PinRule::Color { channel, threshold }.into()
     }
@@ -156,7 +172,23 @@ impl ClothPins {
     pub fn or(mut self, other: Self) -> Self {
         self.rules.extend(other.rules);
         self.predicates.extend(other.predicates);
+        self.predicate_count += other.predicate_count;
         self
+    }
+
+    /// Predicates that it had before it was saved and loaded again.
+    pub(super) fn lost_predicates(&self) -> usize {
+        self.predicate_count.saturating_sub(self.predicates.len())
+    }
+
+    /// Whether it is meant to hold something on any mesh.
+    pub(super) fn asks_for_vertices(&self) -> bool {
+        let asks = |rule: &PinRule| match rule {
+            PinRule::Authored => false,
+            PinRule::Indices(indices) => !indices.is_empty(),
+            _ => true,
+        };
+        !self.predicates.is_empty() || self.rules.iter().any(asks)
     }
 
     /// The vertices of a mesh that are held, in order. `mesh` gives the attributes, the slices the rest state.
@@ -177,7 +209,7 @@ impl ClothPins {
                     position: positions[index],
                     normal: normals[index],
                     uv: uvs.and_then(|uvs| uvs.get(index)).map(|&uv| uv.into()),
-                    color: colors.and_then(|colors| colors.get(index)).map(|&color| color.into()),
+                    color: colors.as_ref().and_then(|colors| colors.get(index)).map(|&color| color.into()),
                 };
                 *held |= self.predicates.iter().any(|predicate| predicate.0(&vertex));
             }
@@ -228,9 +260,15 @@ fn mark_above(held: &mut [bool], values: impl Iterator<Item = f32>, threshold: f
     }
 }
 
-fn colors(mesh: &Mesh) -> Option<&[[f32; 4]]> {
+fn colors(mesh: &Mesh) -> Option<Cow<'_, [[f32; 4]]>> {
     match mesh.try_attribute(Mesh::ATTRIBUTE_COLOR) {
-        Ok(VertexAttributeValues::Float32x4(colors)) => Some(colors),
+        Ok(VertexAttributeValues::Float32x4(colors)) => Some(colors.into()),
+        Ok(VertexAttributeValues::Unorm8x4(colors)) => {
+            Some(colors.iter().map(|color| color.map(|channel| f32::from(channel) / f32::from(u8::MAX))).collect())
+        }
+        Ok(VertexAttributeValues::Unorm16x4(colors)) => {
+            Some(colors.iter().map(|color| color.map(|channel| f32::from(channel) / f32::from(u16::MAX))).collect())
+        }
         _ => None,
     }
 }

@@ -66,7 +66,7 @@ impl From<Quality> for ClothQuality {
     }
 }
 
-/// The quality of every cloth that has neither [`ClothQuality`] nor [`ClothSolver`].
+/// The quality of every cloth that has neither [`ClothQuality`] nor [`ClothSolver`]: [`ClothQuality::Medium`] by default.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Resource, Default, Clone, PartialEq)]

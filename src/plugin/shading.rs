@@ -7,6 +7,7 @@
 use bevy::prelude::*;
 
 use super::mesh_io::SourceMesh;
+use super::winding;
 
 /// Cosine of 30°: rest normals (and tangents) nearer than this are smoothed together.
 const COS_SMOOTH: f32 = 0.866;
@@ -15,6 +16,7 @@ const COS_SMOOTH: f32 = 0.866;
 pub(super) struct Shading {
     /// Unit normals at rest.
     pub rest_normals: Vec<Vec3>,
+    winding: Winding,
     normals: Groups,
     /// −1 for the groups of `normals` whose authored normals point against the winding of their triangles.
     signs: Vec<f32>,
@@ -55,11 +57,11 @@ impl Groups {
     }
 
     /// Sum over the corners of the triangles.
-    fn sum(&self, triangles: &[[u32; 3]], of_triangle: impl Fn([usize; 3]) -> Vec3) -> Vec<Vec3> {
+    fn sum(&self, triangles: &[[u32; 3]], of_triangle: impl Fn(usize, [usize; 3]) -> Vec3) -> Vec<Vec3> {
         let mut sums = vec![Vec3::ZERO; self.count];
-        for triangle in triangles {
+        for (index, triangle) in triangles.iter().enumerate() {
             let corners = triangle.map(|v| v as usize);
-            let vector = of_triangle(corners);
+            let vector = of_triangle(index, corners);
             for corner in corners {
                 sums[self.of[corner] as usize] += vector;
             }
@@ -68,16 +70,24 @@ impl Groups {
     }
 }
 
-/// Twice the area of a triangle along its normal.
-fn area_vector(positions: &[Vec3], [a, b, c]: [usize; 3]) -> Vec3 {
-    (positions[b] - positions[a]).cross(positions[c] - positions[a])
+/// Signs of triangles, if any is wound against the others: two sides of a mesh on the same vertices would cancel out.
+struct Winding(Option<Vec<f32>>);
+
+impl Winding {
+    /// Twice the area of a triangle along its normal.
+    fn area_vector(&self, positions: &[Vec3], index: usize, [a, b, c]: [usize; 3]) -> Vec3 {
+        let vector = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
+        self.0.as_ref().map_or(vector, |signs| vector * signs[index])
+    }
 }
 
 impl Shading {
     /// From the rest state. Every index of `mesh` must be in range.
     pub fn new(mesh: &SourceMesh, simulated: &[Option<u32>]) -> Self {
         let alone = Groups { of: (0..simulated.len() as u32).collect(), count: simulated.len() };
-        let computed = alone.sum(&mesh.triangles, |corners| area_vector(&mesh.positions, corners));
+        let winding = Winding(winding::signs(&mesh.triangles));
+        let area_vector = |index, corners| winding.area_vector(&mesh.positions, index, corners);
+        let computed = alone.sum(&mesh.triangles, area_vector);
         let rest_normals: Vec<Vec3> = computed
             .into_iter()
             .enumerate()
@@ -89,7 +99,7 @@ impl Shading {
         let smooth = |a: usize, b: usize| rest_normals[a].dot(rest_normals[b]) > COS_SMOOTH;
         let normals = Groups::new(simulated, smooth);
         let mut signs = vec![1.0; normals.count];
-        let sums = normals.sum(&mesh.triangles, |corners| area_vector(&mesh.positions, corners));
+        let sums = normals.sum(&mesh.triangles, area_vector);
         for (&group, rest) in normals.of.iter().zip(&rest_normals) {
             if sums[group as usize].dot(*rest) < 0.0 {
                 signs[group as usize] = -1.0;
@@ -103,12 +113,12 @@ impl Shading {
             };
             TangentShading { groups: Groups::new(simulated, alike), uvs, rest }
         });
-        Self { rest_normals, normals, signs, tangents }
+        Self { rest_normals, winding, normals, signs, tangents }
     }
 
     /// Area-weighted unit normals. Where the cloth is folded to nothing, those of the rest state.
     pub fn normals(&self, triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<[f32; 3]> {
-        let sums = self.normals.sum(triangles, |corners| area_vector(positions, corners));
+        let sums = self.normals.sum(triangles, |index, corners| self.winding.area_vector(positions, index, corners));
         let normals = self.normals.of.iter().zip(&self.rest_normals);
         let normal = |group: usize| (sums[group] * self.signs[group]).try_normalize();
         normals.map(|(&group, rest)| normal(group as usize).unwrap_or(*rest).into()).collect()
@@ -118,7 +128,7 @@ impl Shading {
     /// mesh has none.
     pub fn tangents(&self, triangles: &[[u32; 3]], positions: &[Vec3], normals: &[[f32; 3]]) -> Vec<[f32; 4]> {
         let Some(shading) = &self.tangents else { return Vec::new() };
-        let sums = shading.groups.sum(triangles, |corners| along_u(positions, &shading.uvs, corners));
+        let sums = shading.groups.sum(triangles, |_, corners| along_u(positions, &shading.uvs, corners));
         (0..positions.len())
             .map(|vertex| {
                 let (normal, rest) = (Vec3::from(normals[vertex]), shading.rest[vertex]);

@@ -5,6 +5,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::math::{DAffine3, DMat3, DVec3};
 use bevy::prelude::*;
 
+use super::advice::Told;
 use super::budget::{Rung, Share};
 use super::contact::Met;
 use super::error::{ClothError, Faults};
@@ -15,6 +16,7 @@ use super::pace::Pace;
 use super::picture::Obstacle;
 use super::quality::ClothQuality;
 use super::shading::Shading;
+use super::sources::Attributes;
 use crate::physics::{Cloth, MeshError, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
 
 /// The simulation of an entity with [`ClothMesh`](super::ClothMesh): inserted once its mesh is there.
@@ -57,6 +59,7 @@ pub struct ClothState {
     /// Length of the last step, s.
     pub(super) step_length: f64,
     pub(super) faults: Faults,
+    pub(super) told: Told,
 }
 
 /// How the cloth hangs together with its mesh.
@@ -65,6 +68,8 @@ pub(super) struct Binding {
     pub own: Handle<Mesh>,
     pub options: RestShapeOptions,
     pub mesh: SourceMesh,
+    /// What else of the source the own mesh has.
+    pub attributes: Attributes,
     pub shading: Shading,
     /// A vertex of the mesh for each simulated one.
     pub representatives: Vec<u32>,
@@ -72,8 +77,6 @@ pub(super) struct Binding {
     pub rest_linear: DMat3,
     /// Box around the rest positions, in the space of the mesh.
     pub bounds: (DVec3, DVec3),
-    /// Built in this frame.
-    pub fresh: bool,
 }
 
 /// What the own mesh shows, in its space.

@@ -1,7 +1,10 @@
 //! Extremes that once went wrong, found by `lab stability`.
 
 use bevy::math::DVec3;
-use bevy_cloth::physics::{Cloth, Fabric, Integrator, Precision, SolverKind, SolverSettings, StepOutcome};
+use bevy_cloth::physics::{
+    Cloth, Fabric, Integrator, Precision, RestShape, RestShapeOptions, SolverKind, SolverSettings, StepOutcome,
+    SurfaceMesh,
+};
 
 use crate::meshes::{TestMesh, crumpled};
 
@@ -113,4 +116,26 @@ fn a_system_too_ill_conditioned_for_its_precision_is_no_end() {
     }
     let fallen = -mean(&cloth).y / (0.5 * 9.81 * 0.6 * 0.6);
     assert!((0.9..1.05).contains(&fallen), "{fallen} of free fall");
+}
+
+/// A vertex that is coupled with more than 2¹⁶ others.
+#[test]
+fn a_fan_of_more_triangles_than_16_bits_count_steps() {
+    let count = 65_600_u32;
+    let on_rim = |i: u32| {
+        let angle = f64::from(i) / f64::from(count) * core::f64::consts::TAU;
+        DVec3::new(angle.cos(), 0.0, angle.sin())
+    };
+    let positions: Vec<_> = [DVec3::ZERO].into_iter().chain((0..count).map(on_rim)).collect();
+    let triangles: Vec<_> = (0..count).map(|i| [0, 1 + (i + 1) % count, 1 + i]).collect();
+    let mesh = SurfaceMesh { positions: &positions, triangles: &triangles, uvs: None };
+    // Some of the rim is nearer than the tolerance for welding.
+    let options = RestShapeOptions { weld_distance: Some(0.0), ..Default::default() };
+    let shape = RestShape::new(&mesh, &options).unwrap();
+    assert_eq!(shape.triangles.len(), count as usize);
+    let mut cloth = Cloth::new(shape, Fabric::cotton(), SolverSettings::default()).unwrap();
+    cloth.pin(0, DVec3::ZERO);
+    let report = cloth.step(1.0 / 60.0);
+    assert_eq!(report.outcome, StepOutcome::Accepted);
+    assert!(cloth.positions().iter().all(|x| x.is_finite()));
 }

@@ -14,6 +14,7 @@ mod newton;
 mod pins;
 mod preconditioners;
 mod quality;
+mod remeasure;
 mod rest_shape;
 mod solvers;
 mod steps;

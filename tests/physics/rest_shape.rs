@@ -121,3 +121,17 @@ fn a_triangle_too_large_for_numbers_is_left_out() {
     // A huge mesh has a huge weld distance too: here all that is small becomes one.
     assert_eq!(shape.unwrap_err(), MeshError::Empty { given: 2 });
 }
+
+/// rlguy/Blender-FLIP-Fluids #91: a vertex left behind.
+#[test]
+fn a_loose_vertex_far_away_welds_nothing() {
+    let mut mesh = TestMesh::sheet(20, 20, 1.0, 1.0);
+    let whole = mesh.shape();
+    for far in [1e3, 1e6, 1e18] {
+        mesh.positions.push(DVec3::splat(far));
+        mesh.uvs.push([0.0; 2]);
+        let shape = mesh.shape();
+        assert_eq!(shape.vertex_count(), whole.vertex_count(), "at {far:e} m");
+        assert!(shape.dropped.is_empty() && shape.simulated.last() == Some(&None));
+    }
+}

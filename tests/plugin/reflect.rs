@@ -5,7 +5,9 @@ use core::any::TypeId;
 use crate::common::*;
 use bevy::prelude::*;
 use bevy::reflect::{GetPath, TypeRegistration};
-use bevy_cloth::physics::Fabric;
+use bevy_cloth::physics::{
+    BendingModel, Fabric, Integrator, Precision, PreconditionerKind, SolverKind, SolverSettings,
+};
 use bevy_cloth::plugin::*;
 
 fn registration<T: 'static>(app: &App) -> TypeRegistration {
@@ -47,6 +49,30 @@ fn everything_is_registered() {
     }
     registration::<Fabric>(&app);
     registration::<PinRule>(&app);
+}
+
+/// Without it an inspector can neither add a rule nor switch the solver.
+#[test]
+fn what_is_nested_has_a_default() {
+    let app = app();
+    let nested = [
+        registration::<Fabric>(&app),
+        registration::<BendingModel>(&app),
+        registration::<SolverSettings>(&app),
+        registration::<SolverKind>(&app),
+        registration::<PreconditionerKind>(&app),
+        registration::<Precision>(&app),
+        registration::<Integrator>(&app),
+        registration::<PinRule>(&app),
+        registration::<PinChannel>(&app),
+        registration::<ClothBudget>(&app),
+        registration::<ClothMeshShape>(&app),
+    ];
+    for kind in nested {
+        assert!(kind.data::<ReflectDefault>().is_some(), "{kind:?}");
+    }
+    registration::<ClothTouch>(&app);
+    registration::<ClothReset>(&app);
 }
 
 #[cfg(feature = "serialize")]

@@ -140,3 +140,104 @@ fn an_unusable_transform_freezes_the_cloth_until_it_is_usable_again() {
     assert_near(world(&app, cloth)[0], Vec3::X, 1e-6);
     assert_near(local(&app, cloth)[20], before[20], 0.05);
 }
+
+/// Runs a cloth for so many frames, with this scale in each.
+fn rescaled(app: &mut App, cloth: Entity, frames: u32, scale: impl Fn(u32) -> Vec3) {
+    for frame in 0..frames {
+        app.world_mut().get_mut::<Transform>(cloth).unwrap().scale = scale(frame);
+        app.update();
+    }
+}
+
+/// Two cloths that start at once.
+fn pair(app: &mut App, bundle: impl Bundle + Clone, at: Transform) -> [Entity; 2] {
+    let cloths = [0, 1].map(|_| {
+        let mesh3d = Mesh3d(add_mesh(app, sheet()));
+        app.world_mut().spawn((mesh3d, ClothMesh::default(), bundle.clone(), at)).id()
+    });
+    app.update();
+    cloths
+}
+
+#[test]
+fn a_free_cloth_grows_about_its_own_middle() {
+    let mut app = app();
+    let [cloth, beside] = pair(&mut app, (), Transform::from_xyz(0.0, 5.0, 0.0));
+    let middle = |app: &App, cloth| world(app, cloth).iter().sum::<Vec3>() / COUNT as f32;
+    run(&mut app, 40);
+    let before = middle(&app, cloth) - middle(&app, beside);
+    rescaled(&mut app, cloth, 30, |frame| Vec3::splat(1.0 + 0.1 * (frame as f32 * 0.7).sin()));
+    // 2 m below its entity: a tenth of that would show.
+    assert_near(middle(&app, cloth) - middle(&app, beside), before, 0.005);
+    let simulated = state(&app, cloth).cloth();
+    assert!(simulated.stretch().max < 1e-3, "{:?}", simulated.stretch());
+    rescaled(&mut app, cloth, 1, |_| Vec3::new(-1.0, 1.0, 1.0));
+    assert_near(middle(&app, cloth) - middle(&app, beside), before, 0.005);
+}
+
+#[test]
+fn a_scale_animated_every_frame_does_not_stop_the_swing() {
+    let mut app = app();
+    let [plain, breathing] = pair(&mut app, ClothPins::indices([0]), Transform::default());
+    run(&mut app, 5);
+    let fastest =
+        |app: &App, cloth| state(app, cloth).cloth().velocities().iter().map(|v| v.length()).fold(0.0, f64::max);
+    let mut speeds = [0.0_f64; 2];
+    for frame in 0..60 {
+        app.world_mut().get_mut::<Transform>(breathing).unwrap().scale = Vec3::splat(1.0 + 0.01 * (frame % 2) as f32);
+        app.update();
+        speeds = [speeds[0].max(fastest(&app, plain)), speeds[1].max(fastest(&app, breathing))];
+    }
+    assert!((speeds[0] - speeds[1]).abs() < 0.15 * speeds[0], "{speeds:?}");
+    assert!(state(&app, breathing).cloth().stretch().max < 0.05);
+}
+
+#[test]
+fn a_scale_that_changes_while_the_entity_moves_leaves_the_cloth_behind_as_any_move_does() {
+    let mut app = app();
+    let [plain, breathing] = pair(&mut app, top_edge(), Transform::default());
+    for frame in 0..20 {
+        for cloth in [plain, breathing] {
+            let mut transform = app.world_mut().get_mut::<Transform>(cloth).unwrap();
+            transform.translation.z = 0.1 * frame as f32;
+            transform.rotation = Quat::from_rotation_y(0.03 * frame as f32);
+        }
+        app.world_mut().get_mut::<Transform>(breathing).unwrap().scale = Vec3::splat(1.0 + 0.002 * (frame % 2) as f32);
+        app.update();
+    }
+    let hem = |app: &App, cloth| world(app, cloth)[COUNT as usize - 3];
+    assert!(hem(&app, plain).z < 1.6, "{}", hem(&app, plain));
+    assert_near(hem(&app, breathing), hem(&app, plain), 0.05);
+}
+
+#[test]
+fn facing_about_by_a_mirror_keeps_swing_and_shape() {
+    let mut app = app();
+    let [cloth, plain] = pair(&mut app, (ClothPins::indices([0]), ClothMaterial::denim()), Transform::default());
+    for flip in 0..6 {
+        let side = if flip % 2 == 0 { -1.0 } else { 1.0 };
+        let before = local(&app, cloth);
+        rescaled(&mut app, cloth, 1, |_| Vec3::new(side, 1.0, 1.0));
+        // In its own space it goes on as if nothing had been.
+        let moved = local(&app, cloth).iter().zip(before).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+        assert!(moved < 0.15, "{moved}");
+        run(&mut app, 7);
+    }
+    let speed = |cloth| state(&app, cloth).cloth().velocities()[24].length();
+    assert!((speed(cloth) - speed(plain)).abs() < 0.5, "{} and {}", speed(cloth), speed(plain));
+}
+
+#[test]
+fn an_absolute_weld_distance_joins_other_vertices_at_another_scale() {
+    let mut app = app();
+    let mesh3d = Mesh3d(add_mesh(&mut app, sheet()));
+    let welded = ClothMesh { weld_distance: Some(0.05), ..default() };
+    let cloth = app.world_mut().spawn((mesh3d, welded, ClothPins::indices([0]))).id();
+    run(&mut app, 2);
+    assert_eq!(state(&app, cloth).cloth().shape().vertex_count(), COUNT as usize);
+    set(&mut app, cloth, Transform::from_scale(Vec3::splat(0.1)));
+    app.update();
+    let few = state(&app, cloth).cloth().shape().vertex_count();
+    assert!(few < COUNT as usize, "{few}");
+    assert!(error(&app, cloth).is_none());
+}

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use super::implicit_step::Linearisation;
 use super::{BlockPattern, Group, Part};
-use crate::physics::math::{Lanes, M3, Oct, Pack, Padded, ROWS, RowKernel, Scalar, V3};
+use crate::physics::math::{Lanes, M3, Oct, Padded, ROWS, RowKernel, Scalar, V3};
 
 /// A kind of element.
 pub(super) trait Elements<T: Scalar>: Sync {
@@ -252,11 +252,4 @@ fn pair_slots<const V: usize, const P: usize>(vertices: [u32; V], pattern: &Bloc
         let (i, j) = pairs.next().expect("P is the number of pairs");
         pattern.slot(i.max(j), i.min(j)).expect("the pattern is made of the elements")
     })
-}
-
-/// A value for each element of each batch; fillers take `filler`.
-pub(super) fn pack<T: Scalar>(sources: &[u32], filler: f64, value: impl Fn(usize) -> f64) -> Vec<Pack<T>> {
-    let of = |source: u32| if source == FILLER { filler } else { value(source as usize) };
-    let batches = sources.chunks_exact(ROWS);
-    batches.map(|batch| Pack(core::array::from_fn(|lane| T::from_f64(of(batch[lane]))))).collect()
 }

@@ -1,7 +1,7 @@
 //! The bending elements of a cloth.
 
 use super::BlockPattern;
-use super::batch::{self, Batches, Elements, Output, PartBatches, pack};
+use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
 use super::implicit_step::Linearisation;
 use super::mid_edges::{self, MidEdges, Phi, turned};
 use super::parts::{Part, for_parts};
@@ -25,7 +25,10 @@ pub(super) struct Hinges<T> {
 
 /// Rest state and stiffness of a hinge.
 pub(super) fn rest(hinge: &Hinge, fabric: &Fabric) -> Rest<f64> {
-    let bending = fabric.bending_along(hinge.direction);
+    rest_of(hinge, fabric.bending_along(hinge.direction))
+}
+
+fn rest_of(hinge: &Hinge, bending: f64) -> Rest<f64> {
     Rest::new(bending, hinge.length, hinge.height, hinge.double_areas, hinge.rest_angle)
 }
 
@@ -44,25 +47,39 @@ impl<T: Scalar> Hinges<T> {
             BendingModel::MidEdge => Some(MidEdges::new(shape, inner, own, &sources)),
             BendingModel::Hinge | BendingModel::None => None,
         };
-        let mut hinges = Self { batches, rest: Vec::new(), sources, rows_first, mid_edges };
-        hinges.set_fabric(shape, fabric);
+        let zero = Pack([T::zero(); ROWS]);
+        // A filler has no stiffness, so no energy, force or Hessian.
+        let filler = Rest { stiffness: zero, rest_angle: zero, normal_floor: Pack([T::from_f64(1.0); ROWS]) };
+        let rest = vec![filler; sources.len() / ROWS];
+        let mut hinges = Self { batches, rest, sources, rows_first, mid_edges };
+        hinges.measure(shape, fabric);
         hinges
     }
 
-    /// Changes the material.
-    pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
-        let rest = |i: usize| rest(&shape.hinges[i], fabric);
-        // A filler has no stiffness, so no energy, force or Hessian.
-        let stiffness = pack::<T>(&self.sources, 0.0, |i| rest(i).stiffness);
-        let rest_angle = pack::<T>(&self.sources, 0.0, |i| rest(i).rest_angle);
-        let floor = pack::<T>(&self.sources, 1.0, |i| rest(i).normal_floor);
-        let constants = stiffness.into_iter().zip(rest_angle).zip(floor);
-        self.rest = constants
-            .map(|((stiffness, rest_angle), normal_floor)| Rest { stiffness, rest_angle, normal_floor })
-            .collect();
+    /// Takes over what the hinges measure at rest, and the material.
+    pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric) {
+        // With mid-edge normals, the stiffness comes from there.
+        let alone = self.mid_edges.is_none();
+        for (sources, packs) in self.sources.chunks_exact(ROWS).zip(&mut self.rest) {
+            for (lane, &source) in sources.iter().enumerate().filter(|(_, source)| **source != FILLER) {
+                let hinge = &shape.hinges[source as usize];
+                let bending = if alone { fabric.bending_along(hinge.direction) } else { 0.0 };
+                let rest = rest_of(hinge, bending);
+                packs.stiffness.0[lane] = T::from_f64(rest.stiffness);
+                packs.rest_angle.0[lane] = T::from_f64(rest.rest_angle);
+                packs.normal_floor.0[lane] = T::from_f64(rest.normal_floor);
+            }
+        }
         if let Some(mid_edges) = &mut self.mid_edges {
-            mid_edges.set_fabric(shape, fabric);
+            mid_edges.measure(shape, fabric);
             self.bound();
+        }
+    }
+
+    /// Says that the cloth was mirrored: every angle has the other sign now.
+    pub fn mirror(&mut self) {
+        if let Some(mid_edges) = &mut self.mid_edges {
+            mid_edges.mirror();
         }
     }
 

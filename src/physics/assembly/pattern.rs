@@ -30,9 +30,9 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug)]
 struct Row {
     /// Number of blocks whose column is in an earlier part.
-    crossing: u16,
+    crossing: u32,
     /// Number of blocks whose column is in the same part.
-    inner: u16,
+    inner: u32,
     /// Slot of the first block of either kind, if it has any.
     first_crossing: u32,
     first_inner: u32,
@@ -78,7 +78,7 @@ impl BlockPattern {
     /// of `far` reach beyond. `part_starts` are the first rows of the parts: 0 and any others, ascending.
     ///
     /// # Panics
-    /// If the elements name other vertices, a vertex is coupled with 2¹⁶ others or more, or there are more than 2³² blocks.
+    /// If the elements name other vertices, or there are more than 2³² blocks.
     pub fn new<'a>(
         vertex_count: usize,
         part_starts: &[u32],
@@ -158,8 +158,8 @@ impl BlockPattern {
             }
             self.diagonals.push((ROWS * self.slices.len() + lane) as u32);
             self.rows.push(Row {
-                crossing: u16::try_from(crossing).expect("fewer than 2¹⁶ blocks in a row"),
-                inner: u16::try_from(row.len() - crossing).expect("fewer than 2¹⁶ blocks in a row"),
+                crossing: crossing as u32,
+                inner: (row.len() - crossing) as u32,
                 first_crossing: (ROWS * first_crossing + lane) as u32,
                 first_inner: (ROWS * inner + lane) as u32,
             });
@@ -183,7 +183,7 @@ impl BlockPattern {
     fn find_incoming(&mut self) {
         let mut incoming = Vec::new();
         for row in 0..self.row_count() {
-            let crossing = usize::from(self.rows[row].crossing);
+            let crossing = self.rows[row].crossing as usize;
             let slots = self.row(row).take(crossing);
             incoming.extend(slots.map(|slot| Crossing {
                 column: self.column(slot),
@@ -213,13 +213,13 @@ impl BlockPattern {
     #[inline(always)]
     pub fn row(&self, row: usize) -> impl Iterator<Item = usize> + Clone {
         let Row { crossing, inner, first_crossing, first_inner } = self.rows[row];
-        let slots = |first: u32, count: u16| (0..usize::from(count)).map(move |i| first as usize + ROWS * i);
+        let slots = |first: u32, count: u32| (0..count as usize).map(move |i| first as usize + ROWS * i);
         slots(first_crossing, crossing).chain(slots(first_inner, inner))
     }
 
     /// Number of blocks of a row left of the diagonal.
     pub fn row_length(&self, row: usize) -> usize {
-        usize::from(self.rows[row].crossing) + usize::from(self.rows[row].inner)
+        self.rows[row].crossing as usize + self.rows[row].inner as usize
     }
 
     /// The column of a slot.
@@ -291,7 +291,17 @@ impl BlockPattern {
 
     /// Slot of the block at (`row`, `column`), if it is below the diagonal and the pattern has it.
     pub fn slot(&self, row: u32, column: u32) -> Option<u32> {
-        self.row(row as usize).find(|&slot| self.column(slot) == column).map(|slot| slot as u32)
+        let Row { crossing, inner, first_crossing, first_inner } = self.rows[row as usize];
+        // Those of earlier parts come first. By halves: a row may have as many blocks as there are vertices.
+        [(first_crossing, crossing), (first_inner, inner)].into_iter().find_map(|(first, count)| {
+            let slot = |i: u32| first + ROWS as u32 * i;
+            let (mut low, mut high) = (0, count);
+            while low < high {
+                let middle = low.midpoint(high);
+                if self.column(slot(middle) as usize) < column { low = middle + 1 } else { high = middle }
+            }
+            (low < count && self.column(slot(low) as usize) == column).then(|| slot(low))
+        })
     }
 }
 

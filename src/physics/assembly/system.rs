@@ -79,7 +79,18 @@ impl<T: Scalar> System<T> {
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.triangles.set_fabric(fabric);
-        self.hinges.set_fabric(shape, fabric);
+        self.hinges.measure(shape, fabric);
+    }
+
+    /// Takes over a shape of the same elements that measure otherwise.
+    pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
+        self.triangles.measure(shape, &ordering.inner);
+        self.hinges.measure(shape, fabric);
+    }
+
+    /// Says that the cloth was mirrored.
+    pub fn mirror(&mut self) {
+        self.hinges.mirror();
     }
 
     /// Elastic energy at `x`.

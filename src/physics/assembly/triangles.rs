@@ -1,17 +1,19 @@
 //! The membrane elements of a cloth.
 
 use super::BlockPattern;
-use super::batch::{self, Batches, Elements, Output, PartBatches, pack};
+use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
 use super::implicit_step::{Linearisation, Projection};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Lanes, Oct, Pack, Padded, Real, Scalar, V3};
+use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, Scalar, V3};
 use crate::physics::mesh::{RestShape, Triangle};
 
 /// All triangles, in batches, the vertices of each in ascending order.
 pub(super) struct Triangles<T> {
     batches: Batches<3, 3>,
+    /// Which triangle of the rest shape stands at each place.
+    sources: Vec<u32>,
     rest: Vec<Rest<Pack<T>>>,
     /// Gram matrices of the rest edges: in f64, see [`membrane`].
     rest_grams: Vec<Gram<Pack<f64>>>,
@@ -29,23 +31,37 @@ fn constants(fabric: &Fabric) -> Orthotropic<f64> {
 
 impl<T: Scalar> Triangles<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], rank: &[u32], pattern: &BlockPattern) -> Self {
-        let sorted: Vec<Triangle> = shape.triangles.iter().map(|t| ascending(t, inner)).collect();
-        let vertices: Vec<_> = sorted.iter().map(|t| t.vertices).collect();
+        let vertices: Vec<_> = shape.triangles.iter().map(|t| ascending(t, inner).vertices).collect();
         let (batches, sources) = Batches::new(&vertices, pattern, rank);
-        let column = |r: usize, c: usize| pack::<T>(&sources, 0.0, |i| sorted[i].dm_inverse[r][c]);
-        let dm = [[column(0, 0), column(0, 1)], [column(1, 0), column(1, 1)]];
-        // A filler has no area, so no energy, force or Hessian.
-        let areas = pack::<T>(&sources, 0.0, |i| sorted[i].area);
-        let rest = areas.iter().enumerate().map(|(batch, &area)| Rest {
-            dm_inverse: core::array::from_fn(|r| core::array::from_fn(|c| dm[r][c][batch])),
-            area,
-        });
-        let grams = [0, 1, 2].map(|entry| pack::<f64>(&sources, 0.0, |i| sorted[i].rest_gram[entry]));
-        Self {
-            rest_grams: (0..areas.len()).map(|batch| [0, 1, 2].map(|entry| grams[entry][batch])).collect(),
+        let zero = Pack([T::zero(); ROWS]);
+        let count = sources.len() / ROWS;
+        let mut triangles = Self {
             batches,
-            rest: rest.collect(),
+            sources,
+            // A filler has no area, so no energy, force or Hessian.
+            rest: vec![Rest { dm_inverse: [[zero; 2]; 2], area: zero }; count],
+            rest_grams: vec![[Pack([0.0; ROWS]); 3]; count],
             constants: constants(fabric),
+        };
+        triangles.measure(shape, inner);
+        triangles
+    }
+
+    /// Takes over what the triangles measure at rest.
+    pub fn measure(&mut self, shape: &RestShape, inner: &[u32]) {
+        let rests = self.rest.iter_mut().zip(&mut self.rest_grams);
+        for (sources, (rest, grams)) in self.sources.chunks_exact(ROWS).zip(rests) {
+            for (lane, &source) in sources.iter().enumerate().filter(|(_, source)| **source != FILLER) {
+                let triangle = ascending(&shape.triangles[source as usize], inner);
+                for (row, values) in rest.dm_inverse.iter_mut().zip(triangle.dm_inverse) {
+                    row[0].0[lane] = T::from_f64(values[0]);
+                    row[1].0[lane] = T::from_f64(values[1]);
+                }
+                rest.area.0[lane] = T::from_f64(triangle.area);
+                for (gram, value) in grams.iter_mut().zip(triangle.rest_gram) {
+                    gram.0[lane] = value;
+                }
+            }
         }
     }
 

@@ -35,6 +35,10 @@ pub(super) trait Engine: Send + Sync {
     fn energy(&self, positions: &[DVec3]) -> ElasticEnergy;
     /// Changes the material.
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric);
+    /// Takes over a shape of the same elements that measure otherwise.
+    fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering);
+    /// Carries what is remembered of earlier states along with the present one, before that is mapped.
+    fn map(&mut self, map: DAffine3, state: &State, pins: &Pins);
     /// Changes settings that [`SolverSettings::same_engine`] allows.
     fn set_settings(&mut self, settings: &SolverSettings);
     /// Contacts of the last step, with vertices as the engine numbers them.

@@ -4,8 +4,9 @@ use bevy::math::{DAffine3, DMat3, DVec3};
 use bevy::platform::time::Instant;
 
 use super::engine::{Engine, Step};
+use super::pins::Pins;
 use super::scheme::{Linear, Scheme};
-use super::touching::{Impact, contact_layer};
+use super::touching::{Impact, contact_layer, longest_side};
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, System};
@@ -295,6 +296,23 @@ impl<T: Scalar> Engine for Implicit<T> {
         self.contact.set_fabric(fabric);
         self.damping = fabric.damping.into();
         self.air_drag = fabric.air_drag.into();
+        self.energy_now = None;
+    }
+
+    fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
+        self.system.measure(shape, fabric, ordering);
+        self.contact.set_longest_side(longest_side(shape));
+        self.energy_now = None;
+    }
+
+    fn map(&mut self, map: DAffine3, state: &State, pins: &Pins) {
+        let before = &mut self.history.state;
+        let drifted = pins.mean(&state.positions) - pins.mean(&before.positions);
+        let drift = pins.mean(&before.velocities);
+        before.map_earlier(map, drifted, drift);
+        if map.matrix3.determinant() < 0.0 {
+            self.system.mirror();
+        }
         self.energy_now = None;
     }
 

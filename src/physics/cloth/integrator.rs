@@ -2,10 +2,12 @@
 
 use bevy::math::DVec3;
 use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 
 /// How a step advances time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub enum Integrator {
     /// Second-order backward differences, one solve per step: keeps swing and spin. The default.
     #[default]

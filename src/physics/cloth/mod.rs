@@ -6,6 +6,7 @@ mod integrator;
 mod measure;
 mod pins;
 mod quality;
+mod remeasure;
 mod report;
 mod rigid;
 mod safeguard;
@@ -242,6 +243,14 @@ impl Cloth {
     /// If there is no such vertex.
     pub fn pin(&mut self, vertex: u32, target: DVec3) {
         self.pins.set(self.ordering.inner[vertex as usize], target);
+    }
+
+    /// Lets a simulated vertex go.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    pub fn unpin(&mut self, vertex: u32) {
+        self.pins.unset(self.ordering.inner[vertex as usize]);
     }
 
     /// Lets every vertex go.

@@ -36,6 +36,17 @@ impl Pins {
         }
     }
 
+    pub fn unset(&mut self, vertex: u32) {
+        let index = vertex as usize;
+        if core::mem::replace(&mut self.held[index], false) {
+            let place = self.pin_of[index];
+            self.pins.swap_remove(place as usize);
+            if let Some(moved) = self.pins.get(place as usize) {
+                self.pin_of[moved.vertex as usize] = place;
+            }
+        }
+    }
+
     pub fn clear(&mut self) {
         self.held.fill(false);
         self.pins.clear();
@@ -49,6 +60,14 @@ impl Pins {
         for pin in &mut self.pins {
             pin.target = map.transform_point3(pin.target);
         }
+    }
+
+    /// Mean of what the held vertices have, or all if none is held.
+    pub fn mean(&self, values: &[DVec3]) -> DVec3 {
+        if self.pins.is_empty() {
+            return values.iter().sum::<DVec3>() / values.len() as f64;
+        }
+        self.pins.iter().map(|pin| values[pin.vertex as usize]).sum::<DVec3>() / self.pins.len() as f64
     }
 
     /// Sets the waypoints a straight line onwards, with so many substeps `remaining`. The last ends on the target itself.
@@ -99,6 +118,12 @@ mod tests {
         assert_eq!(pins.waypoints().collect::<Vec<_>>(), [(2, DVec3::Z / 2.0), (0, DVec3::Y / 2.0)]);
         pins.advance(&[DVec3::ZERO; 4], 1);
         assert_eq!([pins.waypoint(2), pins.waypoint(1)], [Some(DVec3::Z), None]);
+        // One let go leaves the others where they are; a second time it is nothing.
+        pins.set(3, DVec3::ONE);
+        pins.unset(2);
+        pins.unset(2);
+        assert_eq!(pins.held(), [true, false, false, true]);
+        assert_eq!([0, 2, 3].map(|v| pins.target(v)), [Some(DVec3::Y), None, Some(DVec3::ONE)]);
         pins.clear();
         assert!(!pins.any() && pins.held() == [false; 4]);
     }

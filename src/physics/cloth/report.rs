@@ -9,6 +9,7 @@ use crate::physics::solve::SolveError;
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StepReport {
     /// Whether the cloth moved on.
     pub outcome: StepOutcome,
@@ -47,6 +48,7 @@ pub enum StepOutcome {
 
 /// Why a step could not be taken.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq, Reflect)]
+#[non_exhaustive]
 pub enum ClothFault {
     /// The time step is negative or not a number.
     #[error("the time step is negative or not finite")]
@@ -57,6 +59,9 @@ pub enum ClothFault {
     /// The matrix is not positive definite in the chosen precision.
     #[error("the linear system could not be solved in this precision")]
     Solver,
+    /// The linear solver cannot take so many vertices.
+    #[error("the cloth has too many vertices for Cholesky: choose `SolverKind::ConjugateGradient`")]
+    TooLarge,
 }
 
 impl From<SolveError> for ClothFault {
@@ -64,6 +69,7 @@ impl From<SolveError> for ClothFault {
         match error {
             SolveError::NotPositiveDefinite => Self::Solver,
             SolveError::NotFinite => Self::NotFinite,
+            SolveError::TooLarge => Self::TooLarge,
         }
     }
 }

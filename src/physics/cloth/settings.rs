@@ -1,6 +1,7 @@
 //! What can be chosen about a step. None of it changes the material: only accuracy and cost.
 
 use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 use thiserror::Error;
 
 use super::Integrator;
@@ -11,23 +12,25 @@ use crate::physics::solve::{SolverKind, Target};
 /// How a step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub struct SolverSettings {
-    /// The time integrator.
+    /// The time integrator; [`Integrator::Bdf2`] by default.
     pub integrator: Integrator,
-    /// The linear solver.
+    /// The linear solver; conjugate gradients by default, see [`SolverKind::default`].
     pub kind: SolverKind,
-    /// Precision of elements, matrix and vectors; positions are always kept in f64.
+    /// Precision of elements, matrix and vectors; positions are always kept in f64. [`Precision::Single`] by default.
     pub precision: Precision,
-    /// Implicit steps per call of [`Cloth::step`](crate::physics::Cloth::step), at least 1.
+    /// Implicit steps per call of [`Cloth::step`](crate::physics::Cloth::step), at least 1, which is the default.
     pub substeps: u32,
     /// Linear solves of a step at most, each linearised where the one before led (Newton's method), at least 1. More than one
-    /// pays where the cloth turns or wrinkles much in a step; where nothing is left to solve, they end sooner.
+    /// pays where the cloth turns or wrinkles much in a step; where nothing is left to solve, they end sooner. 1 by default.
     pub newton_steps: u32,
 }
 
 /// Precision of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub enum Precision {
     /// f32, several elements at a time.
     #[default]

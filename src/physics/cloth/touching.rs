@@ -69,8 +69,16 @@ fn moving<'a>(step: &Step<'a>, state: &'a State) -> Moving<'a> {
 /// The layer of a cloth whose vertices are numbered as `ordering` says.
 pub(super) fn contact_layer(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -> ContactLayer {
     let triangles = shape.triangles.iter().map(|triangle| triangle.vertices.map(|v| ordering.inner[v as usize]));
-    let lengths = shape.edges.iter().map(|[a, b]| shape.positions[*a as usize].distance(shape.positions[*b as usize]));
-    ContactLayer::new(fabric, triangles.collect(), lengths.fold(0.0, f64::max))
+    ContactLayer::new(fabric, triangles.collect(), longest_side(shape))
+}
+
+/// Length of the longest side of a triangle at rest, m.
+pub(super) fn longest_side(shape: &RestShape) -> f64 {
+    let squares = shape.edges.iter().map(|[a, b]| {
+        let [a, b] = [a, b].map(|&vertex| shape.positions[vertex as usize]);
+        a.distance_squared(b)
+    });
+    squares.fold(0.0, f64::max).sqrt()
 }
 
 impl<T: Scalar> Implicit<T> {

@@ -76,6 +76,11 @@ impl ContactLayer {
         self.fabric = f64::from(fabric.warp_stiffness.max(fabric.weft_stiffness));
     }
 
+    /// Changes the length of the longest side of a triangle at rest, m.
+    pub fn set_longest_side(&mut self, longest: f64) {
+        self.faces.longest = longest;
+    }
+
     /// Length of the longest side of a triangle at rest, m.
     pub fn longest_side(&self) -> f64 {
         self.faces.longest

@@ -1,6 +1,7 @@
 //! The constants of a fabric.
 
 use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 use thiserror::Error;
 
 use crate::physics::energy::mid_edge::FlexuralRigidity;
@@ -12,6 +13,7 @@ use crate::physics::energy::mid_edge::FlexuralRigidity;
 /// direction. The values are those of the sheet: they do not depend on mesh, time step or solver.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub struct Fabric {
     /// Mass per area ρ, kg/m².
     pub density: f32,

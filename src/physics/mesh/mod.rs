@@ -2,6 +2,7 @@
 //! weld → clean triangles → edges and hinges → warp and weft.
 
 mod rest_shape;
+mod t_junctions;
 mod topology;
 mod warp_weft;
 mod weld;

@@ -2,9 +2,10 @@
 
 use bevy::math::{DVec2, DVec3};
 use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 use thiserror::Error;
 
-use super::topology::{Edges, HingeTopology, clean_triangles};
+use super::topology::{Edges, HingeTopology, clean_triangles, has_area};
 use super::warp_weft;
 use super::weld::weld;
 use crate::physics::energy::hinge::dihedral_angle;
@@ -24,7 +25,8 @@ pub struct SurfaceMesh<'a> {
 /// How a [`SurfaceMesh`] becomes a [`RestShape`].
 #[derive(Clone, Debug, PartialEq, Reflect)]
 pub struct RestShapeOptions {
-    /// Vertices nearer than this are one, m. `None`: 1e-5 of the diagonal of the bounding box.
+    /// Vertices nearer than this are one, m. `None`: 1e-5 of the diagonal of the bounding box of all vertices that triangles
+    /// use.
     pub weld_distance: Option<f64>,
     /// Take the warp direction from the texture coordinates where they are sane.
     pub warp_from_uvs: bool,
@@ -39,6 +41,7 @@ pub struct RestShapeOptions {
 /// How a cloth bends: what the edges between its triangles make of the fabric's flexural rigidity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub enum BendingModel {
     /// Mid-edge normals ([`energy::mid_edge`](crate::physics::energy::mid_edge)): the rigidity of the fabric in every direction
     /// on every mesh.
@@ -65,6 +68,7 @@ impl Default for RestShapeOptions {
 
 /// A mesh that cannot be cloth. Indices are those of the mesh given.
 #[derive(Clone, Debug, Error, PartialEq, Reflect)]
+#[non_exhaustive]
 pub enum MeshError {
     /// No triangles, or none left after the degenerate ones.
     #[error("the mesh has no triangle with an area ({given} given)")]
@@ -88,6 +92,9 @@ pub enum MeshError {
         /// The vertex.
         vertex: usize,
     },
+    /// Another mesh than the rest shape was made of, see [`RestShape::remeasure`].
+    #[error("the mesh has other triangles than the rest shape was made of, or is welded to other vertices")]
+    OtherMesh,
     /// Fewer texture coordinates than positions, or more.
     #[error("there are {uvs} texture coordinates for {positions} positions")]
     UvCount {
@@ -167,7 +174,7 @@ impl RestShape {
     /// See [`MeshError`].
     pub fn new(mesh: &SurfaceMesh, options: &RestShapeOptions) -> Result<Self, MeshError> {
         check(mesh)?;
-        let welded = weld(mesh.positions, options.weld_distance);
+        let welded = weld(mesh, options.weld_distance);
         let (triangles, dropped) = clean_triangles(mesh.triangles, mesh.positions, &welded);
         if triangles.is_empty() {
             return Err(MeshError::Empty { given: mesh.triangles.len() });
@@ -191,48 +198,111 @@ impl RestShape {
             }
         }
 
-        let mut vertex_areas = vec![0.0; positions.len()];
-        let mut elements = Vec::with_capacity(triangles.len());
-        let mut warps = Vec::with_capacity(triangles.len());
-        for triangle in &triangles {
-            let vertices = triangle.welded.map(|w| simulated[w as usize].expect("numbered above"));
-            let corners = vertices.map(|v| positions[v as usize]);
-            let uvs = mesh.uvs.filter(|_| options.warp_from_uvs);
-            let uvs = uvs.map(|uvs| mesh.triangles[triangle.source as usize].map(|v| uvs[v as usize]));
-            let frame = warp_weft::frame(corners, uvs, options.warp_angle);
-            let [d1, d2] = [corners[1] - corners[0], corners[2] - corners[0]];
-            let [e1, e2] = [d1, d2].map(|e| frame.to_material(e));
-            let area = 0.5 * e1.perp_dot(e2);
-            for v in vertices {
-                vertex_areas[v as usize] += area / 3.0;
-            }
-            elements.push(Triangle {
-                vertices,
-                dm_inverse: inverse_of_columns(e1, e2),
-                rest_gram: [d1.length_squared(), d2.length_squared(), d1.dot(d2)],
-                area,
+        let elements: Vec<_> = triangles
+            .iter()
+            .map(|triangle| Triangle {
+                vertices: triangle.welded.map(|w| simulated[w as usize].expect("numbered above")),
+                dm_inverse: [[0.0; 2]; 2],
+                rest_gram: [0.0; 3],
+                area: 0.0,
                 source: triangle.source,
-            });
-            warps.push(frame);
-        }
-
-        let edges = Edges::new(elements.iter().map(|t| t.vertices));
-        let hinges = edges
-            .hinges()
-            .map(|hinge| rest_hinge(&hinge, &positions, &warps[hinge.triangles[0]], options.rest_flat))
+            })
             .collect();
-        Ok(Self {
+        let edges = Edges::new(elements.iter().map(|t| t.vertices));
+        let hinge = |hinge: HingeTopology| Hinge {
+            vertices: hinge.vertices,
+            triangles: hinge.triangles.map(|triangle| triangle as u32),
+            length: 0.0,
+            height: 0.0,
+            double_areas: [0.0; 2],
+            rest_angle: 0.0,
+            direction: 0.0,
+        };
+        let mut shape = Self {
             boundary: edges.boundary(),
             non_manifold: edges.non_manifold(),
             edges: edges.all(),
+            hinges: edges.hinges().map(hinge).collect(),
+            vertex_areas: vec![0.0; positions.len()],
             positions,
             simulated,
             triangles: elements,
-            hinges,
             dropped,
-            vertex_areas,
             bending: options.bending,
+        };
+        shape.measure(mesh, options);
+        Ok(shape)
+    }
+
+    /// Measures the same mesh again, with its vertices elsewhere: stretched, squashed or mirrored. What is made of which vertex
+    /// stays; all lengths, areas, angles and directions are new. Takes a pass over the vertices, triangles and hinges.
+    ///
+    /// # Errors
+    /// If the mesh is none of the same triangles, [`MeshError::OtherMesh`]; likewise where [`RestShapeOptions::weld_distance`]
+    /// now makes other vertices one, the options bend another way, or a triangle has lost its area. For what else, see
+    /// [`RestShape::new`]. The shape then stays as it was.
+    pub fn remeasure(&mut self, mesh: &SurfaceMesh, options: &RestShapeOptions) -> Result<(), MeshError> {
+        let counts = [mesh.positions.len(), mesh.triangles.len()];
+        let own_counts = [self.simulated.len(), self.triangles.len() + self.dropped.len()];
+        if counts != own_counts || options.bending != self.bending {
+            return Err(MeshError::OtherMesh);
+        }
+        check(mesh)?;
+        let same = |triangle: &Triangle| {
+            let corners = mesh.triangles[triangle.source as usize];
+            let vertices = corners.map(|v| self.simulated[v as usize]) == triangle.vertices.map(Some);
+            vertices && has_area(corners.map(|v| mesh.positions[v as usize]))
+        };
+        // What is relative to the extent of the mesh, or asks for the same place, stays as it is.
+        let stays_welded = options.weld_distance.is_none_or(|distance| distance == 0.0);
+        if !self.triangles.iter().all(same) || !(stays_welded || self.is_welded_in(mesh, options)) {
+            return Err(MeshError::OtherMesh);
+        }
+        // The first vertex of the mesh that it is made of is where a simulated one is.
+        for (simulated, &position) in self.simulated.iter().zip(mesh.positions).rev() {
+            if let Some(simulated) = simulated {
+                self.positions[*simulated as usize] = position;
+            }
+        }
+        self.measure(mesh, options);
+        Ok(())
+    }
+
+    /// Whether the mesh as it is now would be welded to the same vertices.
+    fn is_welded_in(&self, mesh: &SurfaceMesh, options: &RestShapeOptions) -> bool {
+        let welded = weld(mesh, options.weld_distance);
+        let mut first = vec![None; self.vertex_count()];
+        self.simulated.iter().zip(welded).all(|(simulated, welded)| {
+            simulated.is_none_or(|vertex| *first[vertex as usize].get_or_insert(welded) == welded)
+                && self.simulated[welded as usize] == *simulated
         })
+    }
+
+    /// Finds all that depends on where the vertices are.
+    fn measure(&mut self, mesh: &SurfaceMesh, options: &RestShapeOptions) {
+        let Self { positions, triangles, hinges, vertex_areas, .. } = self;
+        vertex_areas.fill(0.0);
+        let turn = DVec2::new(options.warp_angle.cos(), options.warp_angle.sin());
+        let mut frames = Vec::with_capacity(triangles.len());
+        for triangle in triangles {
+            let corners = triangle.vertices.map(|v| positions[v as usize]);
+            let uvs = mesh.uvs.filter(|_| options.warp_from_uvs);
+            let uvs = uvs.map(|uvs| mesh.triangles[triangle.source as usize].map(|v| uvs[v as usize]));
+            let frame = warp_weft::frame(corners, uvs, turn);
+            let [d1, d2] = [corners[1] - corners[0], corners[2] - corners[0]];
+            let [e1, e2] = [d1, d2].map(|e| frame.to_material(e));
+            let area = 0.5 * e1.perp_dot(e2);
+            for v in triangle.vertices {
+                vertex_areas[v as usize] += area / 3.0;
+            }
+            triangle.dm_inverse = inverse_of_columns(e1, e2);
+            triangle.rest_gram = [d1.length_squared(), d2.length_squared(), d1.dot(d2)];
+            triangle.area = area;
+            frames.push(frame);
+        }
+        for hinge in hinges {
+            hinge.measure(positions, &frames[hinge.triangles[0] as usize], options.rest_flat);
+        }
     }
 
     /// The hinges that resist bending.
@@ -271,21 +341,15 @@ fn inverse_of_columns(a: DVec2, b: DVec2) -> [[f64; 2]; 2] {
     [[b.y * scale, -b.x * scale], [-a.y * scale, a.x * scale]]
 }
 
-fn rest_hinge(hinge: &HingeTopology, positions: &[DVec3], warp: &warp_weft::Frame, flat: bool) -> Hinge {
-    let vertices = hinge.vertices;
-    let x = vertices.map(|v| positions[v as usize]);
-    let edge = x[1] - x[0];
-    let length = edge.length();
-    let double_areas = [edge.cross(x[2] - x[0]).length(), edge.cross(x[3] - x[0]).length()];
-    let rest_angle = if flat { 0.0 } else { dihedral_angle(x) };
-    let along = warp.to_material(edge);
-    Hinge {
-        vertices,
-        triangles: hinge.triangles.map(|triangle| triangle as u32),
-        length,
-        height: (double_areas[0] + double_areas[1]) / (3.0 * length),
-        double_areas,
-        rest_angle,
-        direction: along.y.atan2(along.x) + core::f64::consts::FRAC_PI_2,
+impl Hinge {
+    fn measure(&mut self, positions: &[DVec3], warp: &warp_weft::Frame, flat: bool) {
+        let x = self.vertices.map(|v| positions[v as usize]);
+        let edge = x[1] - x[0];
+        self.length = edge.length();
+        self.double_areas = [edge.cross(x[2] - x[0]).length(), edge.cross(x[3] - x[0]).length()];
+        self.height = (self.double_areas[0] + self.double_areas[1]) / (3.0 * self.length);
+        self.rest_angle = if flat { 0.0 } else { dihedral_angle(x) };
+        let along = warp.to_material(edge);
+        self.direction = along.y.atan2(along.x) + core::f64::consts::FRAC_PI_2;
     }
 }

@@ -16,6 +16,14 @@ pub(super) struct CleanTriangle {
 /// one is rounding noise. (An aspect of 1e4 has 5e-5.)
 const MIN_RELATIVE_AREA: f64 = 1e-8;
 
+/// Whether the material frame of a triangle is no rounding noise.
+pub(super) fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    let area = 0.5 * (b - a).cross(c - a).length();
+    // One so large that its area has no number has no frame either.
+    area > MIN_RELATIVE_AREA * longest && area.is_finite()
+}
+
 /// Splits the triangles of a mesh into elements and the indices of those that are none: without area once welded, or
 /// with the same three vertices as an earlier one (the back of a double-sided mesh).
 pub(super) fn clean_triangles(
@@ -29,11 +37,7 @@ pub(super) fn clean_triangles(
         let welded = vertices.map(|v| welded[v as usize]);
         let mut key = welded;
         key.sort_unstable();
-        let [a, b, c] = welded.map(|v| positions[v as usize]);
-        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        let area = 0.5 * (b - a).cross(c - a).length();
-        // One so large that its area has no number has no frame either.
-        if area > MIN_RELATIVE_AREA * longest && area.is_finite() && seen.insert(key) {
+        if has_area(welded.map(|v| positions[v as usize])) && seen.insert(key) {
             kept.push(CleanTriangle { source: source as u32, welded });
         } else {
             dropped.push(source as u32);

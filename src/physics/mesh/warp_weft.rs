@@ -17,13 +17,14 @@ impl Frame {
 
 /// The material axes of a triangle with area. Texture coordinates give a direction only, never a length: the metric is that
 /// of the 3D rest triangle, so textures may be scaled, mirrored or atlased at will.
-pub(super) fn frame(corners: [DVec3; 3], uvs: Option<[[f32; 2]; 3]>, angle: f64) -> Frame {
+/// `turn` is cosine and sine of the angle from growing u to the warp.
+pub(super) fn frame(corners: [DVec3; 3], uvs: Option<[[f32; 2]; 3]>, turn: DVec2) -> Frame {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a).normalize();
     let u = uvs.and_then(|uvs| direction_of_u(corners, uvs)).unwrap_or_else(|| fallback(normal));
     let u = u.reject_from_normalized(normal).normalize();
     let v = normal.cross(u);
-    Frame { warp: u * angle.cos() + v * angle.sin(), weft: v * angle.cos() - u * angle.sin() }
+    Frame { warp: u * turn.x + v * turn.y, weft: v * turn.x - u * turn.y }
 }
 
 /// ∂p/∂u of the linear map from texture to space, if the texture triangle has a sane shape.
@@ -52,7 +53,7 @@ mod tests {
     const CORNERS: [DVec3; 3] = [DVec3::new(1.0, 0.0, 5.0), DVec3::new(3.0, 0.0, 5.0), DVec3::new(1.0, 1.0, 5.0)];
 
     fn warp(uvs: Option<[[f32; 2]; 3]>, angle: f64) -> DVec3 {
-        let frame = frame(CORNERS, uvs, angle);
+        let frame = frame(CORNERS, uvs, DVec2::new(angle.cos(), angle.sin()));
         assert!(frame.warp.dot(frame.weft).abs() < 1e-15);
         frame.warp
     }

@@ -14,11 +14,13 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::{LinearSolver, SolveError, Solved, Target};
 use crate::physics::assembly::{BlockCsr, BlockPattern};
-use crate::physics::math::{Padded, Scalar};
+use crate::physics::math::{Padded, ROWS, Scalar};
 
 /// Supernodal Cholesky with approximate-minimum-degree ordering, always in f64. The symbolic analysis is made once per
 /// pattern; every buffer is reused.
-pub struct Cholesky {
+pub struct Cholesky(Option<Factor>);
+
+struct Factor {
     lower: SymbolicSparseColMat<u32>,
     /// Where each entry of the lower triangle comes from: block · 9 + row · 3 + column within the block, blocks being those
     /// of the diagonal, by row, and then the others, by slot.
@@ -31,31 +33,50 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Analyses a pattern.
-    ///
-    /// # Panics
-    /// If memory runs out, or the factor has 2³² entries or more.
+    /// Analyses a pattern. If its factor has 2³² entries or more, or finds no memory, every solve is
+    /// [`SolveError::TooLarge`].
     pub fn new(pattern: &Arc<BlockPattern>) -> Self {
+        Self(Factor::new(pattern))
+    }
+}
+
+/// Whether all entries of the blocks have numbers.
+fn has_numbers(rows: usize, groups: usize) -> bool {
+    u32::try_from(9 * (rows + ROWS * groups)).is_ok()
+}
+
+/// Zeros, if there is memory for them.
+fn zeros(count: usize) -> Option<Vec<f64>> {
+    let mut zeros = Vec::new();
+    zeros.try_reserve_exact(count).ok()?;
+    zeros.resize(count, 0.0);
+    Some(zeros)
+}
+
+impl Factor {
+    fn new(pattern: &BlockPattern) -> Option<Self> {
+        if !has_numbers(pattern.row_count(), pattern.group_count()) {
+            return None;
+        }
         let (lower, sources) = scalar_lower_triangle(pattern);
         let params = CholeskySymbolicParams {
             // The simplicial variant is much slower on the wide fronts of a surface mesh.
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let symbolic = factorize_symbolic_cholesky(lower.as_ref(), Side::Lower, SymmetricOrdering::Amd, params)
-            .expect("the matrix of a cloth fits into memory");
+        let symbolic = factorize_symbolic_cholesky(lower.as_ref(), Side::Lower, SymmetricOrdering::Amd, params).ok()?;
         let scratch = symbolic
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        Self {
-            values: vec![0.0; sources.len()],
-            factor: vec![0.0; symbolic.len_val()],
-            solution: vec![0.0; 3 * pattern.row_count()],
-            memory: MemBuffer::new(scratch),
+        Some(Self {
+            values: zeros(sources.len())?,
+            factor: zeros(symbolic.len_val())?,
+            solution: zeros(3 * pattern.row_count())?,
+            memory: MemBuffer::try_new(scratch).ok()?,
             lower,
             sources,
             symbolic,
-        }
+        })
     }
 }
 
@@ -68,38 +89,39 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
         _: Target,
     ) -> Result<Solved, SolveError> {
         let start = Instant::now();
-        for (value, &source) in self.values.iter_mut().zip(&self.sources) {
+        let Factor { lower, sources, symbolic, values, factor, solution, memory } =
+            self.0.as_mut().ok_or(SolveError::TooLarge)?;
+        for (value, &source) in values.iter_mut().zip(&*sources) {
             let (block, row, column) = (source as usize / 9, source as usize / 3 % 3, source as usize % 3);
             let block = if block < b.len() { a.diagonal(block) } else { a.block(block - b.len()) };
             *value = block.0[row][column].to_f64();
         }
-        for (entries, b) in self.solution.chunks_exact_mut(3).zip(b) {
+        for (entries, b) in solution.chunks_exact_mut(3).zip(b) {
             entries.copy_from_slice(&b.to_f64());
         }
-        if !self.values.iter().chain(&self.solution).all(|v| v.is_finite()) {
+        if !values.iter().chain(&*solution).all(|v| v.is_finite()) {
             return Err(SolveError::NotFinite);
         }
-        let llt = self
-            .symbolic
+        let llt = symbolic
             .factorize_numeric_llt(
-                &mut self.factor,
-                SparseColMatRef::new(self.lower.as_ref(), &self.values),
+                factor,
+                SparseColMatRef::new(lower.as_ref(), values),
                 Side::Lower,
                 LltRegularization::default(),
                 Par::Seq,
-                MemStack::new(&mut self.memory),
+                MemStack::new(memory),
                 Spec::default(),
             )
             .map_err(|_| SolveError::NotPositiveDefinite)?;
         let preparation = start.elapsed();
-        let rows = self.solution.len();
+        let rows = solution.len();
         llt.solve_in_place_with_conj(
             Conj::No,
-            MatMut::from_column_major_slice_mut(&mut self.solution, rows, 1),
+            MatMut::from_column_major_slice_mut(solution, rows, 1),
             Par::Seq,
-            MemStack::new(&mut self.memory),
+            MemStack::new(memory),
         );
-        for (d, entries) in d.iter_mut().zip(self.solution.chunks_exact(3)) {
+        for (d, entries) in d.iter_mut().zip(solution.chunks_exact(3)) {
             *d = Padded::from_f64([entries[0], entries[1], entries[2]]);
         }
         Ok(Solved { iterations: 0, converged: true, preparation })
@@ -131,4 +153,21 @@ fn scalar_lower_triangle(pattern: &BlockPattern) -> (SymbolicSparseColMat<u32>, 
         }
     }
     (SymbolicSparseColMat::new_checked(size, size, starts, None, rows), sources)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::assembly::Slicing;
+
+    #[test]
+    fn what_is_too_large_is_an_error() {
+        assert!(has_numbers(1_000_000, 1_000_000) && !has_numbers(1_000_000, 60_000_000));
+        assert!(zeros(usize::MAX / 4).is_none());
+        let pattern = BlockPattern::new(1, &[0], Slicing::Any, core::iter::empty(), core::iter::empty());
+        let mut a = BlockCsr::<f64>::zero(Arc::new(pattern));
+        let (b, mut d) = ([Padded::zero()], [Padded::zero()]);
+        let target = Target { absolute: 0.0, relative: 0.0 };
+        assert_eq!(Cholesky(None).solve(&mut a, &b, &mut d, target), Err(SolveError::TooLarge));
+    }
 }

@@ -1,21 +1,25 @@
 //! What can be chosen about the linear solver.
 
 use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 
 /// The linear solver.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum SolverKind {
     /// Preconditioned conjugate gradients.
     ConjugateGradient {
         /// Stop when the residual is that of an acceleration of this size, root mean square, m/s². So the quality of a
-        /// solve does not depend on the time step.
+        /// solve does not depend on the time step. 0.005 by default.
         tolerance: f32,
         /// Or when it is this share of what it was for the starting guess: motion need not be solved to the accuracy of rest.
+        /// 0.03 by default.
         relative_tolerance: f32,
-        /// Stop after so many iterations anyway.
+        /// Stop after so many iterations anyway; 500 by default.
         max_iterations: u32,
-        /// The preconditioner.
+        /// The preconditioner; [`PreconditionerKind::Multigrid`] by default.
         preconditioner: PreconditionerKind,
     },
     /// faer's supernodal sparse Cholesky factorisation, in f64: the reference.
@@ -26,6 +30,7 @@ pub enum SolverKind {
 /// The preconditioner of conjugate gradients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, PartialEq)]
 pub enum PreconditionerKind {
     /// Smoothed-aggregation multigrid, with as many levels as the cloth needs: the number of iterations hardly grows with the
     /// number of vertices. The quickest at every size.

@@ -45,6 +45,9 @@ pub enum SolveError {
     /// A pivot or curvature is not positive.
     #[error("the matrix is not positive definite in this precision")]
     NotPositiveDefinite,
+    /// The solver has no room for so large a matrix.
+    #[error("the matrix is too large for this solver")]
+    TooLarge,
     /// A NaN or infinity came up.
     #[error("the matrix or the right-hand side is not finite")]
     NotFinite,

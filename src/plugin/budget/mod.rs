@@ -39,10 +39,16 @@ pub(super) use self::systems::{Keeper, close_frame, is_left_over, observe, plan,
 /// depends on how long things took: it is not the same in every run.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
-#[reflect(Resource, Clone, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct ClothBudget {
-    /// Milliseconds per frame. 0, less, or not a number: as little as can be.
+    /// Milliseconds per frame; 4 by default. 0, less, or not a number: as little as can be.
     pub ms: f32,
+}
+
+impl Default for ClothBudget {
+    fn default() -> Self {
+        Self { ms: 4.0 }
+    }
 }
 
 /// What [`ClothBudget`] made of the cloths, once per frame. All zero without one.

@@ -28,7 +28,7 @@ pub struct ClothCollider {
     /// Not reflected: a shape is one of many types.
     #[reflect(ignore)]
     shape: SharedShape,
-    /// Coefficient of Coulomb friction of its surface. That of a pair is the geometric mean of both.
+    /// Coefficient of Coulomb friction of its surface. That of a pair is the geometric mean of both. 0.5 by default.
     pub friction: f32,
     /// A collider that moves further than this in one tick has jumped: it meets the cloth where it is, without a velocity, m.
     /// Infinity: never.

@@ -62,6 +62,7 @@ impl From<ClothError> for ClothShapeError {
 /// Inserted on its entity and logged once; removed again when the cause is gone.
 #[derive(Component, Clone, Debug, Error, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum ClothColliderError {
     /// The transform is not finite, or squashes the shape.
     #[error("the transform of the collider is not finite or has a scale of zero")]

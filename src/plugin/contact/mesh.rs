@@ -17,7 +17,7 @@ use super::error::{ClothColliderError, report};
 pub struct ClothMeshCollider {
     /// What is made of it.
     pub shape: ClothMeshShape,
-    /// See [`ClothCollider::friction`].
+    /// See [`ClothCollider::friction`]; 0.5 by default.
     pub friction: f32,
     /// See [`ClothCollider::teleport_distance`], m.
     pub teleport_distance: f32,

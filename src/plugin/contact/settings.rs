@@ -10,9 +10,9 @@ use crate::physics::ContactSettings;
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ClothContact {
     /// Distance that the cloth keeps from a collider's surface, m: the half of its own thickness, and room for errors. The vertices of
-    /// cells that are coarse beside a ball or capsule keep up to three times that.
+    /// cells that are coarse beside a ball or capsule keep up to three times that. 0.003 (3 mm) by default.
     pub thickness: f32,
-    /// Coefficient of Coulomb friction of the fabric. That of a pair is the geometric mean of both.
+    /// Coefficient of Coulomb friction of the fabric. That of a pair is the geometric mean of both. 0.5 by default.
     pub friction: f32,
 }
 

@@ -81,9 +81,9 @@ impl<T: Scalar> MidEdges<T> {
             others: (0..count).map(others).collect(),
             places: sources.chunks_exact(ROWS).map(|batch| core::array::from_fn(|i| edge_of(&batch[i]))).collect(),
             triangles: shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect(),
-            rows: Vec::new(),
-            relaxation: Vec::new(),
-            shares: Vec::new(),
+            rows: vec![Rows { first: [zero; 3], second: [zero; 3] }; count],
+            relaxation: vec![zero; count],
+            shares: vec![zero; count],
             held: vec![false; shape.vertex_count()],
             phi: vec![[zero; 2]; count],
             next_phi: vec![[zero; 2]; count],
@@ -93,19 +93,24 @@ impl<T: Scalar> MidEdges<T> {
         }
     }
 
-    /// Changes the material.
-    pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
-        let rows = self.edges.rows(shape, fabric);
-        let pack = |pack: usize, value: &dyn Fn(&Rows<f64>) -> f64| {
-            Pack(core::array::from_fn(|lane| T::from_f64(value(&rows[pack * ROWS + lane]))))
-        };
-        self.rows = (0..rows.len() / ROWS)
-            .map(|i| Rows {
-                first: [0, 1, 2].map(|entry| pack(i, &|rows| rows.first[entry])),
-                second: [0, 1, 2].map(|entry| pack(i, &|rows| rows.second[entry])),
-            })
-            .collect();
+    /// Takes over what the edges measure at rest, and the material.
+    pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric) {
+        let Self { edges, rows, .. } = self;
+        edges.for_rows(shape, fabric, |edge, second, values| {
+            let rows = &mut rows[edge / ROWS];
+            let packs = if second { &mut rows.second } else { &mut rows.first };
+            for (pack, value) in packs.iter_mut().zip(values) {
+                pack.0[edge % ROWS] = T::from_f64(value);
+            }
+        });
         self.clamp();
+    }
+
+    /// Turns every angle round.
+    pub fn mirror(&mut self) {
+        for value in self.phi.as_flattened_mut().iter_mut().flat_map(|pack| &mut pack.0) {
+            *value = -*value;
+        }
     }
 
     /// Clamps every triangle that is held by all its vertices: it does not bend, and the cloth leaves it at its tangent. Says
@@ -120,24 +125,22 @@ impl<T: Scalar> MidEdges<T> {
     }
 
     fn clamp(&mut self) {
-        let Self { edges, triangles, held, rows, .. } = &*self;
-        let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
-        let clamped = |edge: usize| edges.triangles(edge).map(|triangle| triangle.is_some_and(fixed));
-        let by_pack = |value: &dyn Fn(usize) -> f64| {
-            let pack = |pack: usize| Pack(core::array::from_fn(|lane| T::from_f64(value(pack * ROWS + lane))));
-            (0..rows.len()).map(pack).collect()
-        };
-        let shares = by_pack(&|edge| match clamped(edge) {
-            [true, false] => 0.0,
-            [false, true] => 1.0,
-            _ => 0.5,
-        });
-        let relaxation = by_pack(&|edge| {
+        for edge in 0..self.edges.count() {
+            let Self { edges, triangles, held, .. } = &*self;
+            let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
+            let beside = edges.triangles(edge);
+            let clamped = beside.map(|triangle| triangle.is_some_and(fixed));
+            let share = match clamped {
+                [true, false] => 0.0,
+                [false, true] => 1.0,
+                _ => 0.5,
+            };
             let Rows { first, second } = self.rows(edge);
-            let turns = edges.triangles(edge)[0].is_some() && clamped(edge) == [false; 2] && first[0] + second[0] > 0.0;
-            if turns { RELAXATION / (first[0] + second[0]) } else { 0.0 }
-        });
-        (self.shares, self.relaxation) = (shares, relaxation);
+            let turns = beside[0].is_some() && clamped == [false; 2] && first[0] + second[0] > 0.0;
+            let relaxation = if turns { RELAXATION / (first[0] + second[0]) } else { 0.0 };
+            self.shares[edge / ROWS].0[edge % ROWS] = T::from_f64(share);
+            self.relaxation[edge / ROWS].0[edge % ROWS] = T::from_f64(relaxation);
+        }
         // What is clamped has no turn.
         for (pack, [first, second]) in self.phi.iter_mut().enumerate() {
             for lane in 0..ROWS {

@@ -2,7 +2,7 @@
 
 use super::super::batch::FILLER;
 use super::super::hinges;
-use crate::physics::energy::mid_edge::{self, Rows};
+use crate::physics::energy::mid_edge;
 use crate::physics::material::Fabric;
 use crate::physics::math::ROWS;
 use crate::physics::mesh::{Hinge, RestShape};
@@ -123,37 +123,27 @@ impl Edges {
         [a, b, c, d]
     }
 
-    /// Rows of P for each edge, in the sign of its hinge.
-    pub fn rows(&self, shape: &RestShape, fabric: &Fabric) -> Vec<Rows<f64>> {
+    /// Gives each edge its row of P, in the sign of its hinge, of its first triangle or its second. Where there is no triangle,
+    /// nothing is given.
+    pub fn for_rows(&self, shape: &RestShape, fabric: &Fabric, mut give: impl FnMut(usize, bool, [f64; 3])) {
         let rigidity = fabric.flexural_rigidity();
-        let matrices: Vec<_> = shape
-            .triangles
-            .iter()
-            .zip(&self.sides)
-            .map(|(triangle, sides)| {
-                let sign = sides.map(|side| self.sign(side));
-                let p = mid_edge::stiffness(&rigidity, triangle.dm_inverse, triangle.area);
-                core::array::from_fn::<_, 3, _>(|i| core::array::from_fn::<_, 3, _>(|j| sign[i] * sign[j] * p[i][j]))
-            })
-            .collect();
-        let row = |corner: Option<Corner>| {
-            corner.map_or([0.0; 3], |Corner { triangle, vertex, .. }| {
-                [0, 1, 2].map(|next| matrices[triangle as usize][usize::from(vertex)][(usize::from(vertex) + next) % 3])
-            })
-        };
-        let rows = |(corners, hinge): (&[Option<Corner>; 2], &Option<u32>)| match (corners, hinge) {
+        for (triangle, sides) in shape.triangles.iter().zip(&self.sides) {
+            let sign = sides.map(|side| self.sign(side));
+            let p = mid_edge::stiffness(&rigidity, triangle.dm_inverse, triangle.area);
+            for (vertex, side) in sides.iter().enumerate() {
+                let row = [vertex, (vertex + 1) % 3, (vertex + 2) % 3].map(|j| sign[vertex] * sign[j] * p[vertex][j]);
+                give(side.edge(), side.is_second(), row);
+            }
+        }
+        for (edge, (corners, hinge)) in self.corners.iter().zip(&self.hinges).enumerate() {
             // More than two sheets meet: they bend against each other as hinges, of moment 2k Θ.
-            ([None, None], &Some(hinge)) => {
+            if let ([None, None], &Some(hinge)) = (corners, hinge) {
                 let rest = hinges::rest(&shape.hinges[hinge as usize], fabric);
                 let own = [4.0 * rest.stiffness, 0.0, 0.0];
-                Rows { first: own, second: own }
+                give(edge, false, own);
+                give(edge, true, own);
             }
-            (corners, _) => {
-                let [first, second] = corners.map(row);
-                Rows { first, second }
-            }
-        };
-        self.corners.iter().zip(&self.hinges).map(rows).collect()
+        }
     }
 
     fn sign(&self, side: Side) -> f64 {
