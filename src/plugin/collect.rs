@@ -7,7 +7,6 @@ use bevy::prelude::*;
 use super::budget::{Keeper, following};
 use super::components::{ClothDisabled, ClothGravity, ClothPinTargets};
 use super::contact::ClothContact;
-use super::error::ClothError;
 use super::inertia::ClothInertia;
 use super::material::ClothMaterial;
 use super::motion::{Place, Places};

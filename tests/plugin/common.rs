@@ -5,11 +5,10 @@ use std::collections::HashMap;
 use bevy::app::Plugins;
 use bevy::asset::AssetId;
 use bevy::camera::CameraPlugin;
-use bevy::math::DVec3;
 use bevy::mesh::{Indices, MeshPlugin, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_cloth::physics::Collider;
+use bevy_cloth::physics::{Collider, StepReport};
 use bevy_cloth::plugin::*;
 
 /// Cells along each side of [`sheet`].
@@ -136,7 +135,7 @@ pub fn assert_near(a: Vec3, b: Vec3, tolerance: f32) {
 pub struct Given {
     pub steps: HashMap<Entity, Vec<Vec<Collider>>>,
     /// Before the step of this tick, if there is one in it.
-    before: HashMap<Entity, (Vec<DVec3>, Vec<Collider>)>,
+    before: HashMap<Entity, (Option<StepReport>, Vec<Collider>)>,
 }
 
 /// As [`app`], and takes note of the colliders in each step.
@@ -156,15 +155,15 @@ pub fn with_notes(app: &mut App) {
 fn note(cloths: Query<(Entity, &ClothState)>, mut given: ResMut<Given>) {
     for (entity, state) in &cloths {
         let cloth = state.cloth();
-        given.before.insert(entity, (cloth.positions().to_vec(), cloth.colliders().to_vec()));
+        given.before.insert(entity, (state.last_report().copied(), cloth.colliders().to_vec()));
     }
 }
 
-/// Those of a cloth that has moved.
+/// Those of a cloth that took a step: its report, with the times in it, is another.
 fn keep(cloths: Query<(Entity, &ClothState)>, mut given: ResMut<Given>) {
     for (entity, state) in &cloths {
-        if let Some((positions, colliders)) = given.before.remove(&entity)
-            && positions != state.cloth().positions()
+        if let Some((report, colliders)) = given.before.remove(&entity)
+            && report.as_ref() != state.last_report()
         {
             given.steps.entry(entity).or_default().push(colliders);
         }
