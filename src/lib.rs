@@ -59,8 +59,8 @@ pub mod prelude {
     pub use crate::plugin::{
         ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
         ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
-        ClothGravity, ClothImportance, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider, ClothMeshShape,
-        ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError, ClothSolver, ClothState,
+        ClothGravity, ClothId, ClothImportance, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider, ClothMeshShape,
+        ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothRestore, ClothShape, ClothShapeError, ClothShapePart, ClothSnapshot, ClothSolver, ClothSource, ClothState,
         ClothSystems, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]

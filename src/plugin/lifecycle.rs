@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::components::ClothMesh;
 use super::error::ClothError;
+use super::saving::ClothSource;
 use super::state::{ClothState, usable};
 
 /// Trigger it to put a cloth back to rest, undeformed, where its entity is now:
@@ -23,12 +24,13 @@ pub(super) fn reset(
     let Ok((mut state, propagated)) = cloths.get_mut(reset.entity) else { return };
     let transform = transforms.compute_global_transform(reset.entity).unwrap_or(*propagated);
     let anchor = usable(&transform).unwrap_or(state.anchor);
+    state.faults.state = None;
     state.rest_at(anchor);
 }
 
 /// The mesh stays as it was draped.
 pub(super) fn end(removed: On<Remove, ClothMesh>, mut commands: Commands) {
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(ClothState, ClothError, NoAutoAabb)>();
+        entity.try_remove::<(ClothState, ClothSource, ClothError, NoAutoAabb)>();
     }
 }

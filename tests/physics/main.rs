@@ -14,5 +14,6 @@ mod pins;
 mod preconditioners;
 mod quality;
 mod rest_shape;
+mod snapshot;
 mod solvers;
 mod steps;

@@ -9,6 +9,7 @@ mod contact_choice;
 mod contact_errors;
 mod contact_mesh;
 mod debug;
+mod determinism;
 mod diagnostics;
 mod errors;
 mod lifecycle;
@@ -18,7 +19,10 @@ mod quality;
 #[cfg(feature = "rapier3d")]
 mod rapier;
 mod reflect;
+#[cfg(feature = "serialize")]
+mod saving;
 mod shading;
+mod snapshot;
 mod start;
 mod time;
 mod transform;

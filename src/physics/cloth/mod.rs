@@ -11,6 +11,7 @@ mod rigid;
 mod safeguard;
 mod scheme;
 mod settings;
+mod snapshot;
 mod touching;
 
 use bevy::math::{DAffine3, DVec3};
@@ -23,6 +24,7 @@ pub use measure::{Energy, Stretch};
 pub use quality::Quality;
 pub use report::{ClothFault, StepOutcome, StepReport};
 pub use settings::{Precision, SettingsError, SolverSettings};
+pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;

@@ -22,3 +22,4 @@ mod touch;
 pub(crate) use collider::merged;
 pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
+pub(crate) use memory::Memory;

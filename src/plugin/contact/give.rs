@@ -1,5 +1,7 @@
 //! The colliders that each cloth may touch in its next step.
 
+use std::sync::Once;
+
 use bevy::math::DVec3;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -10,6 +12,7 @@ use super::layers::{ClothCollidesWith, ClothLayers};
 use super::track::Track;
 use crate::physics::{Cloth, Collider};
 use crate::plugin::budget::Keeper;
+use crate::plugin::id::ClothId;
 use crate::plugin::state::ClothState;
 
 /// All colliders of a tick, laid out so that those far from a cloth are passed over quickly.
@@ -45,7 +48,7 @@ pub(in crate::plugin) fn give(
     time: Res<Time>,
     mut surroundings: ResMut<Surroundings>,
     mut keeper: ResMut<Keeper>,
-    colliders: Query<(&ClothCollider, &Track)>,
+    colliders: Query<(&ClothCollider, &Track, &ClothId)>,
     mut cloths: Query<(Entity, &mut ClothState, Option<&ClothLayers>, Option<&ClothCollidesWith>)>,
 ) {
     let start = Instant::now();
@@ -58,29 +61,48 @@ pub(in crate::plugin) fn give(
             let ticks = state.pace.since + 1;
             let bounds = reach_of_step(&state.cloth, state.pace.pending + time.delta_secs_f64());
             let layers = layers.copied().unwrap_or_default();
+            let before = core::mem::take(&mut state.resumed);
+            let resumed = |id: u64| Some(before.iter().find(|(known, _)| *known == id)?.1);
             let wanted = |&(collider, its): &(Entity, ClothLayers)| {
                 collider != entity && layers.interacts_with(its) && only.is_none_or(|only| only.contains(&collider))
             };
             given.extend(surroundings.near(bounds).filter(wanted).filter_map(|(entity, _)| {
-                let (collider, track) = colliders.get(entity).ok()?;
+                let (collider, track, &ClothId(id)) = colliders.get(entity).ok()?;
                 track.bounds_since(ticks)?.overlaps(&bounds).then_some(())?;
                 let (shape, end) = track.present()?;
-                Some(Collider {
-                    id: entity.to_bits(),
+                let given = Collider {
+                    id,
                     shape: shape.clone(),
-                    start: track.pose_before(ticks)?,
+                    start: resumed(id).or_else(|| track.pose_before(ticks))?,
                     end,
                     friction: collider.friction.into(),
-                })
+                };
+                Some((entity, given))
             }));
+            // In an order that does not depend on where the entities are in memory.
+            given.sort_by_key(|(_, collider)| collider.id);
+            tell_twins(&given);
+            state.near.clear();
+            state.near.extend(given.iter().map(|(entity, collider)| (collider.id, *entity)));
         }
         let takes_away = due || surroundings.colliders.is_empty();
         if !given.is_empty() || (takes_away && !state.cloth.colliders().is_empty()) {
-            state.cloth.set_colliders(given.drain(..));
+            state.cloth.set_colliders(given.drain(..).map(|(_, collider)| collider));
         }
         surroundings.held |= !state.cloth.colliders().is_empty();
     }
     keeper.spent.collect += start.elapsed();
+}
+
+/// Two colliders of one id share what cloth remembers of them.
+fn tell_twins(given: &[(Entity, Collider)]) {
+    for pair in given.windows(2).filter(|pair| pair[0].1.id == pair[1].1.id) {
+        let ((a, Collider { id, .. }), (b, _)) = (&pair[0], &pair[1]);
+        static TOLD: Once = Once::new();
+        TOLD.call_once(|| {
+            tracing::warn!("cloth colliders {a} and {b} have the same `ClothId({id})`: give each its own, or none");
+        });
+    }
 }
 
 /// Around all places that a cloth can come to in a step of `dt` seconds: no vertex goes further than the fastest does, gravity

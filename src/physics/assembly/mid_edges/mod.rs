@@ -119,6 +119,23 @@ impl<T: Scalar> MidEdges<T> {
         changed
     }
 
+    /// The vertices that [`hold`](Self::hold) was last told.
+    pub fn held(&self) -> &[bool] {
+        &self.held
+    }
+
+    /// φ of all packs, one number after another.
+    pub fn turns(&self) -> Vec<T> {
+        self.phi.iter().flatten().flat_map(|pack| pack.0).collect()
+    }
+
+    /// Puts them back, after [`hold`](Self::hold).
+    pub fn set_turns(&mut self, turns: &[T]) {
+        for (pack, turns) in self.phi.iter_mut().flatten().zip(turns.chunks_exact(ROWS)) {
+            pack.0.copy_from_slice(turns);
+        }
+    }
+
     fn clamp(&mut self) {
         let Self { edges, triangles, held, rows, .. } = &*self;
         let fixed = |triangle: u32| triangles[triangle as usize].iter().all(|&v| held[v as usize]);
