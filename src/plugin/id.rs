@@ -1,6 +1,5 @@
 //! Numbers that tell cloths and colliders apart, the same in every run.
 
-use bevy::ecs::component::ComponentCloneBehavior;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
@@ -22,7 +21,7 @@ use super::contact::ClothCollider;
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Clone, Debug, PartialEq)]
-#[component(immutable, on_insert = note, on_remove = give_later, clone_behavior = ComponentCloneBehavior::Custom(|_, _| {}))]
+#[component(immutable, on_insert = note, on_remove = give_later, clone_behavior = Custom(|_, _| {}))]
 pub struct ClothId(pub u64);
 
 impl ClothId {

@@ -200,7 +200,7 @@ impl Plugin for ClothPlugin {
                         contact::shape_meshes.run_if(any_with_component::<ClothMeshCollider>),
                         saving::take.run_if(any_with_component::<ClothSource>),
                         initialise::initialise,
-                        snapshot::begin.run_if(any_with_component::<ClothSnapshot>),
+                        snapshot::begin,
                     )
                         .chain()
                         .in_set(ClothSystems::Initialise),

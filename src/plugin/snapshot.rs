@@ -1,7 +1,5 @@
 //! Cloth put into a state: of its own past, of a save game, or as a game likes.
 
-use std::sync::Arc;
-
 use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
 use bevy::prelude::*;
 
@@ -10,6 +8,7 @@ use super::contact::Track;
 use super::error::ClothError;
 use super::pace::Pace;
 use super::state::{ClothState, representatives, rest_shape};
+use crate::physics::cloth::Shared;
 use crate::physics::{Cloth, Pose, Snapshot};
 
 /// A running cloth as it was, from [`ClothState::snapshot`]: put back, it goes on to the last bit.
@@ -47,14 +46,14 @@ pub struct ClothSnapshot {
     /// Present, previous and seen.
     anchors: [DAffine3; 3],
     /// `None` if they are those that the physics goes on from.
-    previous_positions: Option<Arc<[DVec3]>>,
+    previous_positions: Option<Shared<DVec3>>,
     pace: Pace,
     ticks: Option<u32>,
     stepped: bool,
     suspended: bool,
     step_length: f64,
     /// Ids of colliders, and where they were in the last step.
-    colliders: Arc<[(u64, DVec3, DQuat)]>,
+    colliders: Shared<(u64, DVec3, DQuat)>,
 }
 
 impl ClothSnapshot {

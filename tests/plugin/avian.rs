@@ -6,7 +6,9 @@ use bevy::prelude::*;
 use bevy_cloth::physics::Fabric;
 use bevy_cloth::plugin::*;
 
-use crate::common::{app_with, given_in_last_step, run, set_transform, sheet, spawn, state, take_given, with_notes};
+use crate::common::{
+    app_with, given_in_last_step, id, run, set_transform, sheet, spawn, state, take_given, with_notes,
+};
 
 const NEAR: Transform = Transform::from_xyz(0.5, -0.5, 0.1);
 

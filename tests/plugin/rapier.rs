@@ -5,7 +5,9 @@ use bevy_cloth::parry3d::shape::ShapeType;
 use bevy_cloth::plugin::*;
 use bevy_rapier3d::geometry::{Collider, Friction};
 
-use crate::common::{app_with_notes, collider_error, given_in_last_step, run, set_transform, sheet, spawn, take_given};
+use crate::common::{
+    app_with_notes, collider_error, given_in_last_step, id, run, set_transform, sheet, spawn, take_given,
+};
 
 const NEAR: Transform = Transform::from_xyz(0.5, -0.5, 0.1);
 

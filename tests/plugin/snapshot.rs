@@ -106,6 +106,20 @@ fn a_cloth_that_starts_beside_a_snapshot_begins_in_it() {
 }
 
 #[test]
+fn one_kept_beside_a_running_cloth_is_left_alone() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(), top_edge());
+    run(&mut app, 30);
+    let snapshot = state(&app, cloth).snapshot();
+    run(&mut app, 5);
+    app.world_mut().entity_mut(cloth).insert(snapshot.clone());
+    let before = state(&app, cloth).cloth().positions().to_vec();
+    run(&mut app, 3);
+    assert!(app.world().get::<ClothSnapshot>(cloth) == Some(&snapshot));
+    assert_ne!(state(&app, cloth).cloth().positions(), before);
+}
+
+#[test]
 fn what_does_not_fit_is_refused_and_the_cloth_goes_on() {
     let mut app = app();
     let cloth = spawn(&mut app, sheet(), top_edge());
@@ -130,7 +144,8 @@ fn a_game_sets_positions_and_velocities() {
     let mut app = app();
     let cloth = spawn(&mut app, sheet(), ());
     let mut state = app.world_mut().get_mut::<ClothState>(cloth).unwrap();
-    let draped: Vec<_> = state.cloth().positions().iter().map(|x| *x + DVec3::new(0.0, 3.0, -0.2 * x.y * x.y)).collect();
+    let draped: Vec<_> =
+        state.cloth().positions().iter().map(|x| *x + DVec3::new(0.0, 3.0, -0.2 * x.y * x.y)).collect();
     let thrown = vec![DVec3::X; COUNT as usize];
     let short = state.set_positions_and_velocities(&draped[1..], &thrown).unwrap_err();
     assert!(matches!(&short, ClothError::State { reason } if reason.contains("24 positions")), "{short}");
@@ -139,6 +154,6 @@ fn a_game_sets_positions_and_velocities() {
     state.set_positions_and_velocities(&draped, &thrown).unwrap();
     assert_eq!((state.cloth().positions(), state.cloth().velocities()), (&draped[..], &thrown[..]));
     run(&mut app, 1);
-    assert_near(world(&app, cloth)[0], draped[0].as_vec3() + Vec3::X / 64.0, 5e-3);
+    assert_near(world(&app, cloth)[0], draped[0].as_vec3() + Vec3::X / 64.0, 2e-2);
     assert!(error(&app, cloth).is_none());
 }

@@ -348,7 +348,7 @@ impl<T: Scalar> Engine for Implicit<T> {
         self.contact.forget();
         self.contact.recall_all(&remembered.touches);
         let state = &mut self.history.state;
-        for Earlier { positions, velocities, .. } in &remembered.earlier {
+        if let Some(Earlier { positions, velocities, .. }) = &remembered.earlier {
             for (inner, &outer) in ordering.outer.iter().enumerate() {
                 state.positions[inner] = positions[outer as usize];
                 state.velocities[inner] = velocities[outer as usize];

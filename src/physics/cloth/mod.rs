@@ -11,6 +11,7 @@ mod rigid;
 mod safeguard;
 mod scheme;
 mod settings;
+mod shared;
 mod snapshot;
 mod touching;
 
@@ -24,6 +25,7 @@ pub use measure::{Energy, Stretch};
 pub use quality::Quality;
 pub use report::{ClothFault, StepOutcome, StepReport};
 pub use settings::{Precision, SettingsError, SolverSettings};
+pub(crate) use shared::Shared;
 pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::physics::assembly::Ordering;

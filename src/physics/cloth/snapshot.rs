@@ -1,10 +1,9 @@
 //! All that the next step depends on, as a value.
 
-use std::sync::Arc;
-
 use bevy::math::DVec3;
 use thiserror::Error;
 
+use super::shared::Shared;
 use super::touching::Impact;
 use super::{Cloth, Precision, SolverSettings};
 use crate::physics::assembly::Ordering;
@@ -32,9 +31,9 @@ pub struct Snapshot {
     settings: SolverSettings,
     contact: ContactSettings,
     gravity: DVec3,
-    positions: Arc<[DVec3]>,
-    velocities: Arc<[DVec3]>,
-    pins: Arc<[(u32, DVec3)]>,
+    positions: Shared<DVec3>,
+    velocities: Shared<DVec3>,
+    pins: Shared<(u32, DVec3)>,
     remembered: Remembered,
 }
 
@@ -50,9 +49,9 @@ pub(super) struct Remembered {
     /// J.
     pub surplus: f64,
     pub impact: Impact,
-    pub touches: Arc<[Memory]>,
+    pub touches: Shared<Memory>,
     /// The vertices held in the last solve, as the engine numbers them.
-    pub held: Arc<[u32]>,
+    pub held: Shared<u32>,
     pub turns: Turns,
 }
 
@@ -62,16 +61,16 @@ pub(super) struct Remembered {
 pub(super) struct Earlier {
     /// Length of the step from there to here, s.
     pub dt: f64,
-    pub positions: Arc<[DVec3]>,
-    pub velocities: Arc<[DVec3]>,
+    pub positions: Shared<DVec3>,
+    pub velocities: Shared<DVec3>,
 }
 
 /// Turns of mid-edge normals, rad, in the precision that they are computed in.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Turns {
-    Single(Arc<[f32]>),
-    Double(Arc<[f64]>),
+    Single(Shared<f32>),
+    Double(Shared<f64>),
 }
 
 impl Turns {
@@ -110,7 +109,9 @@ impl Turns {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum SnapshotError {
     /// The snapshot was made by another version of this library.
-    #[error("the snapshot has format {found}, but this version of the library reads format {expected}: it cannot be used any more")]
+    #[error(
+        "the snapshot has format {found}, but this version of the library reads format {expected}: it cannot be used any more"
+    )]
     Version {
         /// Format of the snapshot.
         found: u32,
@@ -118,7 +119,9 @@ pub enum SnapshotError {
         expected: u32,
     },
     /// The snapshot is of another mesh, of other options of the rest shape, or of another scale.
-    #[error("the snapshot is of another cloth: mesh, scale, welding, warp and bending model must be those that it was made with")]
+    #[error(
+        "the snapshot is of another cloth: mesh, scale, welding, warp and bending model must be those that it was made with"
+    )]
     Shape,
     /// A number is missing, NaN, or out of range, as in a file that was cut short or edited.
     #[error("the snapshot is damaged: {0}")]

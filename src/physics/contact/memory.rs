@@ -25,7 +25,10 @@ impl Memory {
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         let Self { normal_force, before, friction, slipping, .. } = self;
-        normal_force.is_finite() && before.is_finite() && friction.is_finite() && slipping.is_none_or(|way| way.is_finite())
+        normal_force.is_finite()
+            && before.is_finite()
+            && friction.is_finite()
+            && slipping.is_none_or(|way| way.is_finite())
     }
 }
 

@@ -59,7 +59,11 @@ fn end(removed: On<Remove, Collider>, marked: Query<(), With<ClothPhysicsCollide
 }
 
 /// Hands the impulses of this tick's steps to the bodies, in the same order in every run.
-fn push(cloths: Query<(&ClothState, Option<&ClothId>)>, colliders: Query<&ColliderOf>, mut bodies: Query<Forces, With<ClothPushes>>) {
+fn push(
+    cloths: Query<(&ClothState, Option<&ClothId>)>,
+    colliders: Query<&ColliderOf>,
+    mut bodies: Query<Forces, With<ClothPushes>>,
+) {
     let stepped =
         |state: &&ClothState| state.report_of_this_tick().is_some_and(|report| report.outcome == StepOutcome::Accepted);
     for state in cloths.iter().sort::<Option<&ClothId>>().map(|(state, _)| state).filter(stepped) {

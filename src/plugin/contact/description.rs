@@ -16,6 +16,7 @@ use super::surface::surface;
 /// unless it says otherwise, a shape is centred at the origin of the entity.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
+#[reflect(no_field_bounds)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub enum ClothShape {
     /// A ball.

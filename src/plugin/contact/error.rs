@@ -42,7 +42,9 @@ pub enum ClothShapeError {
     #[error("the normal {0} of the half-space has no direction")]
     Normal(Vec3),
     /// A part of a compound is a surface of triangles.
-    #[error("part {part} is a surface of triangles, which cannot be part of a compound: spawn it as a collider of its own")]
+    #[error(
+        "part {part} is a surface of triangles, which cannot be part of a compound: spawn it as a collider of its own"
+    )]
     Part {
         /// The part.
         part: usize,
