@@ -131,7 +131,6 @@ fn settings_and_fabric_are_those_of_the_snapshot() {
 fn it_takes_about_120_bytes_a_vertex_and_100_a_touch() {
     let scene = Scene { n: 60, ..Scene::new(SolverSettings::default()) };
     let mut cloth = scene.cloth();
-    cloth.set_gravity(DVec3::ZERO);
     cloth.step(DT);
     cloth.step(DT);
     let free = cloth.snapshot().size() as f64 / 3600.0;
