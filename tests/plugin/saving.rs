@@ -215,7 +215,6 @@ fn a_world_with_cloth_and_colliders_goes_on_after_loading() {
     assert!(other.world().get::<ClothCollider>(wall_again).is_some());
     let before = state(&app, cloth).cloth().positions().to_vec();
     assert_eq!(state(&other, cloth_again).cloth().positions(), before);
-    assert!(state(&app, cloth).cloth().contacts().next().is_some());
     assert!(record(&mut other, cloth_again) == record(&mut app, cloth));
     let ids: Vec<_> = [&mut app, &mut other]
         .map(|app| app.world_mut().spawn(ClothCollider::sphere(1.0)).id())
