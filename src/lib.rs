@@ -59,9 +59,10 @@ pub mod prelude {
     pub use crate::plugin::{
         ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
         ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
-        ClothGravity, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
-        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError,
-        ClothSolver, ClothState, ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
+        ClothGravity, ClothId, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
+        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothRestore, ClothShape,
+        ClothShapeError, ClothShapePart, ClothSnapshot, ClothSolver, ClothSource, ClothState, ClothSystems,
+        ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

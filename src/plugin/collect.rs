@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use super::budget::{Keeper, following};
 use super::components::{ClothDisabled, ClothGravity, ClothPinTargets};
 use super::contact::ClothContact;
+use super::id::ClothId;
 use super::inertia::ClothInertia;
 use super::material::ClothMaterial;
 use super::motion::{Place, Places};
@@ -18,6 +19,7 @@ use crate::physics::ContactSettings;
 type Described<'a> = (
     Entity,
     &'a mut ClothState,
+    Option<&'a ClothId>,
     Option<&'a ClothMaterial>,
     Option<&'a ClothSolver>,
     Option<&'a ClothQuality>,
@@ -41,12 +43,12 @@ pub(super) fn collect(
 ) {
     let start = Instant::now();
     let dt = time.delta_secs_f64();
-    for (entity, mut state, material, solver, quality, contact, pins, targets, inertia, disabled, propagated) in
+    for (entity, mut state, id, material, solver, quality, contact, pins, targets, inertia, disabled, propagated) in
         &mut cloths
     {
         let state = &mut *state;
         state.collect_solver(solver, *quality.unwrap_or(&default_quality.0));
-        state.collect_pace(keeper.tick, entity.index_u32());
+        state.collect_pace(keeper.tick, id.copied().unwrap_or(ClothId(0)));
         state.collect_material(material, gravity.as_dvec3());
         state.collect_contact(contact);
         state.collect_pin_rules(pins, &meshes);
@@ -82,11 +84,14 @@ impl ClothState {
         }
     }
 
-    /// Levels that take fewer steps than there are ticks take turns. With a budget, that says when.
-    fn collect_pace(&mut self, tick: u32, number: u32) {
+    /// Levels that take fewer steps than there are ticks take turns. With a budget, that says when. Each cloth counts its ticks
+    /// for itself, from the number of its first one on, as it may be put back in time.
+    fn collect_pace(&mut self, tick: u32, id: ClothId) {
+        let tick = self.ticks.unwrap_or(tick);
+        self.ticks = Some(tick.wrapping_add(1));
         if self.share.rung.is_none() && self.pace.is_due() {
             let interval = self.quality.map_or(1, ClothQuality::interval);
-            self.pace.following = following(tick, interval, number % interval, self.pace.span);
+            self.pace.following = following(tick, interval, id.phase(interval), self.pace.span);
         }
     }
 

@@ -27,6 +27,7 @@ use crate::physics::{BendingModel, RestShapeOptions};
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ClothMaterial, ClothPins, Transform)]
+#[component(on_add = super::id::give_later)]
 pub struct ClothMesh {
     /// Vertices nearer than this are one (they are split along seams of normals and texture coordinates), m. `None`: 1e-5
     /// of the diagonal of what triangles use of the mesh. The default.

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 use super::state::ClothState;
-use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsError};
+use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsError, SnapshotError};
 
 /// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
 ///
@@ -122,6 +122,12 @@ pub enum ClothError {
     /// The transform is not finite, or squashes the cloth.
     #[error("the transform of the entity is not finite or has a scale of zero: the cloth waits until it is usable")]
     Transform,
+    /// A [`ClothSnapshot`](super::ClothSnapshot), or positions and velocities, that the cloth cannot be put into: it goes on as it was.
+    #[error("the cloth cannot be put into this state: {reason}")]
+    State {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The last step failed: the cloth kept its place and lost its velocity.
     #[error(
         "the last step was rejected ({reason}): the cloth keeps its place; look for pins that are too far apart, gravity \
@@ -131,6 +137,12 @@ pub enum ClothError {
         /// What the solver says.
         reason: String,
     },
+}
+
+impl From<SnapshotError> for ClothError {
+    fn from(error: SnapshotError) -> Self {
+        Self::State { reason: error.to_string() }
+    }
 }
 
 impl ClothError {
@@ -158,6 +170,8 @@ pub(super) struct Faults {
     pub inertia: Option<ClothError>,
     pub pins: Option<ClothError>,
     pub pin_targets: Option<ClothError>,
+    /// A state that it could not be put into; until another can, or it is reset.
+    pub state: Option<ClothError>,
     pub diverged: Option<ClothError>,
 }
 
@@ -174,6 +188,7 @@ impl Faults {
             &self.inertia,
             &self.pins,
             &self.pin_targets,
+            &self.state,
             &self.diverged,
         ];
         by_weight.into_iter().find_map(Option::as_ref)

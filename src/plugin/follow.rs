@@ -27,7 +27,30 @@ pub(super) struct Follower {
     held_before: Vec<(u32, DVec3)>,
 }
 
+/// What a [`Follower`] must know of the past to go on from there.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Following {
+    felt: Felt,
+    carried: Carried,
+    glides: Glides,
+    held: Vec<(u32, DVec3)>,
+}
+
 impl Follower {
+    /// What it knows of the past.
+    pub fn following(&self) -> Following {
+        let Self { felt, carried, glides, held, .. } = self;
+        Following { felt: *felt, carried: *carried, glides: glides.clone(), held: held.clone() }
+    }
+
+    /// Goes on from what was known.
+    pub fn go_on(&mut self, Following { felt, carried, glides, held }: &Following) {
+        (self.felt, self.carried, self.glides) = (*felt, *carried, glides.clone());
+        self.held.clone_from(held);
+        self.targets.clear();
+    }
+
     /// Forgets all motion: the cloth was put to rest.
     pub fn rest(&mut self) {
         *self = Self { targets: core::mem::take(&mut self.targets), ..Self::default() };
@@ -35,7 +58,8 @@ impl Follower {
 }
 
 /// A rigid motion that a cloth did not feel.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Carried {
     pub map: DAffine3,
     /// Whether some of it was a jump.

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::components::ClothMesh;
 use super::error::ClothError;
+use super::saving::ClothSource;
 use super::sources::Sources;
 use super::state::{ClothState, usable};
 
@@ -24,6 +25,7 @@ pub(super) fn reset(
     let Ok((mut state, propagated)) = cloths.get_mut(reset.entity) else { return };
     let transform = transforms.compute_global_transform(reset.entity).unwrap_or(*propagated);
     let anchor = usable(&transform).unwrap_or(state.anchor);
+    state.faults.state = None;
     state.rest_at(anchor);
 }
 
@@ -34,7 +36,7 @@ pub(super) fn end(removed: On<Remove, ClothMesh>, cloths: Query<&ClothState>, mu
     let own = cloths.get(entity).ok().map(|state| state.own_mesh().id());
     commands.queue(move |world: &mut World| {
         let Ok(mut entity) = world.get_entity_mut(entity) else { return };
-        entity.remove::<(ClothState, ClothError, NoAutoAabb)>();
+        entity.remove::<(ClothState, ClothSource, ClothError, NoAutoAabb)>();
         if let Some(own) = own {
             world.resource_mut::<Sources>().forget(own);
         }

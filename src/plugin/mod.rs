@@ -37,6 +37,23 @@
 //! With a schedule that is not fixed (`ClothPlugin::new(Update)`), a frame is a step, and only what was moved before `Collect` in that frame is
 //! seen in it.
 //!
+//! # The same motion every time
+//!
+//! The same input gives the same bits: in every run, with any number of threads, wherever entities are in memory. A game that needs
+//! that, for rollback, replays or lockstep, sees to this:
+//! - Cloth is stepped in a fixed schedule, and what moves it, its pins and its colliders moves in that schedule too, before
+//!   [`ClothSystems::Collect`]. What is moved once per frame is not where it was when frames are of other lengths.
+//! - There is no [`ClothBudget`]: it reads the clock.
+//! - Cloths and colliders have the same [`ClothId`] everywhere. Without any given, that needs spawning in the same order.
+//! - The build and the kind of machine are the same: instructions that only some machines have round differently.
+//!
+//! To go back in time, see [`ClothSnapshot`] and [`ClothRestore`].
+//!
+//! # Saving worlds
+//!
+//! All components that a game inserts are reflected, and serialised with the feature `serialize`. [`ClothSource`] says what is saved
+//! of a running cloth and what is not, [`ClothSnapshot`] how its motion is kept.
+//!
 //! The physics ([`crate::physics`]) knows world space and metres only: an entity's scale makes its cloth larger, heavier
 //! and wider-folded, as real cloth of that size.
 
@@ -50,6 +67,7 @@ mod debug;
 mod diagnostics;
 mod error;
 mod follow;
+mod id;
 mod imperfection;
 mod inertia;
 mod initialise;
@@ -62,8 +80,10 @@ mod picture;
 mod pins;
 mod quality;
 mod rescale;
+mod saving;
 mod seams;
 mod shading;
+mod snapshot;
 mod sources;
 mod state;
 mod step;
@@ -84,18 +104,21 @@ pub use contact::ClothPhysicsCollider;
 pub use contact::ClothPushes;
 pub use contact::{
     ClothCollider, ClothColliderError, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers, ClothMeshCollider,
-    ClothMeshShape, ClothShapeError, ClothTouch,
+    ClothMeshShape, ClothShape, ClothShapeError, ClothShapePart, ClothTouch,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::ClothError;
+pub use id::ClothId;
 pub use inertia::ClothInertia;
 pub use lifecycle::ClothReset;
 pub use material::ClothMaterial;
 pub use motion::ClothTeleport;
 pub use pins::{ATTRIBUTE_CLOTH_PIN, ClothPins, PinChannel, PinRule, PinVertex};
 pub use quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
+pub use saving::ClothSource;
+pub use snapshot::{ClothRestore, ClothSnapshot};
 pub use state::ClothState;
 
 /// Simulates every entity that has a [`ClothMesh`].
@@ -192,7 +215,7 @@ impl Plugin for ClothPlugin {
                         budget::plan.run_if(resource_exists::<ClothBudget>),
                         budget::release.run_if(budget::is_left_over),
                         collect::collect,
-                        (contact::track, contact::give).chain().run_if(contact::is_wanted),
+                        (contact::rebuild, contact::track, contact::give).chain().run_if(contact::is_wanted),
                     )
                         .chain()
                         .in_set(ClothSystems::Collect)
@@ -220,7 +243,12 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    (contact::shape_meshes.run_if(any_with_component::<ClothMeshCollider>), initialise::initialise)
+                    (
+                        contact::shape_meshes.run_if(any_with_component::<ClothMeshCollider>),
+                        saving::take.run_if(any_with_component::<ClothSource>),
+                        initialise::initialise,
+                        snapshot::begin,
+                    )
                         .chain()
                         .in_set(ClothSystems::Initialise),
                     (
@@ -237,6 +265,8 @@ impl Plugin for ClothPlugin {
             .add_observer(lifecycle::reset)
             .add_observer(motion::teleport)
             .add_observer(lifecycle::end)
+            .add_observer(saving::note)
+            .add_observer(snapshot::restore)
             .add_observer(contact::end)
             .add_observer(contact::end_mesh)
             .register_type::<ClothMesh>()
@@ -251,6 +281,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothBudgetReport>()
             .register_type::<ClothCollider>()
             .register_type::<ClothColliderError>()
+            .register_type::<ClothShape>()
             .register_type::<ClothCollidesWith>()
             .register_type::<ClothContact>()
             .register_type::<ClothContacts>()
@@ -264,7 +295,11 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothTeleport>()
             .register_type::<ClothTouch>()
             .register_type::<PinRule>()
-            .register_type::<PinChannel>();
+            .register_type::<PinChannel>()
+            .register_type::<ClothId>()
+            .register_type::<id::NextClothId>()
+            .register_type::<ClothSnapshot>()
+            .register_type::<ClothSource>();
         #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
         app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
         #[cfg(feature = "avian3d")]

@@ -2,6 +2,7 @@
 
 /// The rhythm of a cloth. A tick is a run of the schedule of [`ClothPlugin`](super::ClothPlugin).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pace {
     /// Ticks from the last step to the next, over which the motion of the last step is shown.
     pub span: u32,

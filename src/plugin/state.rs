@@ -17,7 +17,7 @@ use super::picture::Obstacle;
 use super::quality::ClothQuality;
 use super::shading::Shading;
 use super::sources::Attributes;
-use crate::physics::{Cloth, MeshError, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
+use crate::physics::{Cloth, MeshError, Pose, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
 
 /// The simulation of an entity with [`ClothMesh`](super::ClothMesh): inserted once its mesh is there.
 #[derive(Component)]
@@ -44,6 +44,12 @@ pub struct ClothState {
     /// What it may have touched in the last step.
     pub(super) met: Vec<Met>,
     pub(super) pace: Pace,
+    /// Number of the next tick, as its turns are counted; `None` before the first.
+    pub(super) ticks: Option<u32>,
+    /// The colliders of the last step by [`ClothId`](super::ClothId), in order.
+    pub(super) near: Vec<(u64, Entity)>,
+    /// Where colliders were in the last step, by id, if the cloth was put back into that.
+    pub(super) resumed: Vec<(u64, Pose)>,
     /// The level it is solved at; `None` with settings given one by one.
     pub(super) quality: Option<ClothQuality>,
     pub(super) share: Share,
@@ -147,6 +153,12 @@ impl ClothState {
         self.share.rung.map_or_else(of_quality, Rung::interval)
     }
 
+    /// The entity of a collider of the last step, by its [`ClothId`](super::ClothId).
+    pub(super) fn collider(&self, id: u64) -> Option<Entity> {
+        let index = self.near.binary_search_by_key(&id, |&(id, _)| id).ok()?;
+        Some(self.near[index].1)
+    }
+
     /// The report of the step in the last tick, if there was one in it.
     pub(super) fn report_of_this_tick(&self) -> Option<StepReport> {
         self.report.filter(|_| self.stepped && !self.suspended && self.pace.since == 0)
@@ -173,7 +185,7 @@ impl ClothState {
     }
 
     /// After a jump: there is nothing to interpolate from.
-    fn settle(&mut self) {
+    pub(super) fn settle(&mut self) {
         self.previous_anchor = self.anchor;
         self.seen_anchor = self.anchor;
         self.follower.carried = Carried::default();

@@ -16,5 +16,6 @@ mod preconditioners;
 mod quality;
 mod remeasure;
 mod rest_shape;
+mod snapshot;
 mod solvers;
 mod steps;

@@ -6,7 +6,9 @@ use bevy::prelude::*;
 use bevy_cloth::physics::Fabric;
 use bevy_cloth::plugin::*;
 
-use crate::common::{app_with, given_in_last_step, run, set_transform, sheet, spawn, state, take_given, with_notes};
+use crate::common::{
+    app_with, given_in_last_step, id, run, set_transform, sheet, spawn, state, take_given, with_notes,
+};
 
 const NEAR: Transform = Transform::from_xyz(0.5, -0.5, 0.1);
 
@@ -29,7 +31,7 @@ fn a_marked_collider_is_followed_in_shape_friction_and_motion() {
     let given = take_given(&mut app, cloth).pop().expect("a step");
     assert_eq!(given.len(), 1, "the one that is marked");
     assert_eq!(given[0].shape.as_ball().expect("a ball").radius, 0.2);
-    assert_eq!((given[0].id, given[0].friction), (ball.to_bits(), f64::from(0.8_f32)));
+    assert_eq!((given[0].id, given[0].friction), (id(&app, ball), f64::from(0.8_f32)));
 
     app.world_mut().entity_mut(ball).insert((Collider::cuboid(0.2, 0.4, 0.6), Friction::new(0.1)));
     set_transform(&mut app, ball, NEAR.with_scale(Vec3::splat(2.0)));
@@ -64,7 +66,7 @@ fn a_child_moves_with_its_body() {
     let part = app.world_mut().spawn(part).id();
     run(&mut app, 8);
     let given = take_given(&mut app, cloth).pop().expect("a step").pop().expect("a collider");
-    assert_eq!((given.id, given.friction), (part.to_bits(), f64::from(0.7_f32)));
+    assert_eq!((given.id, given.friction), (id(&app, part), f64::from(0.7_f32)));
     let moved = (given.end.translation - given.start.translation) * 64.0;
     assert!(moved.abs_diff_eq(velocity.as_dvec3(), 1e-3), "{moved} m/s");
     let parent = app.world().get::<Transform>(body).unwrap().translation.x;

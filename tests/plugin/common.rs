@@ -178,13 +178,20 @@ pub fn take_given(app: &mut App, cloth: Entity) -> Vec<Vec<Collider>> {
 /// What a cloth was given in its last step: the entities, in order.
 pub fn given_in_last_step(app: &mut App, cloth: Entity) -> Vec<Entity> {
     let last = take_given(app, cloth).pop().expect("a step");
-    let mut entities: Vec<_> = last.iter().map(|collider| Entity::from_bits(collider.id)).collect();
+    let mut ids = app.world_mut().query::<(Entity, &ClothId)>();
+    let of = |collider: &Collider| ids.iter(app.world()).find(|(_, id)| id.0 == collider.id).expect("a collider").0;
+    let mut entities: Vec<_> = last.iter().map(of).collect();
     entities.sort();
     entities
 }
 
 pub fn collider_error(app: &App, entity: Entity) -> Option<&ClothColliderError> {
     app.world().get::<ClothColliderError>(entity)
+}
+
+/// What tells an entity apart.
+pub fn id(app: &App, entity: Entity) -> u64 {
+    app.world().get::<ClothId>(entity).expect("an id").0
 }
 
 pub fn set_transform(app: &mut App, entity: Entity, transform: Transform) {

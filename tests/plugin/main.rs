@@ -10,6 +10,7 @@ mod contact_errors;
 mod contact_mesh;
 mod copies;
 mod debug;
+mod determinism;
 mod diagnostics;
 mod errors;
 mod flag;
@@ -23,7 +24,10 @@ mod quality;
 #[cfg(feature = "rapier3d")]
 mod rapier;
 mod reflect;
+#[cfg(feature = "serialize")]
+mod saving;
 mod shading;
+mod snapshot;
 mod stage;
 mod start;
 mod time;

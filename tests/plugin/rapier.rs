@@ -5,7 +5,9 @@ use bevy_cloth::parry3d::shape::ShapeType;
 use bevy_cloth::plugin::*;
 use bevy_rapier3d::geometry::{Collider, Friction};
 
-use crate::common::{app_with_notes, collider_error, given_in_last_step, run, set_transform, sheet, spawn, take_given};
+use crate::common::{
+    app_with_notes, collider_error, given_in_last_step, id, run, set_transform, sheet, spawn, take_given,
+};
 
 const NEAR: Transform = Transform::from_xyz(0.5, -0.5, 0.1);
 
@@ -20,7 +22,7 @@ fn a_marked_collider_is_followed_in_shape_and_friction() {
     let given = take_given(&mut app, cloth).pop().expect("a step");
     assert_eq!(given.len(), 1, "the one that is marked");
     assert_eq!(given[0].shape.as_ball().expect("a ball").radius, 0.2);
-    assert_eq!((given[0].id, given[0].friction), (ball.to_bits(), f64::from(0.8_f32)));
+    assert_eq!((given[0].id, given[0].friction), (id(&app, ball), f64::from(0.8_f32)));
 
     app.world_mut().entity_mut(ball).insert(Friction::coefficient(0.1));
     set_transform(&mut app, ball, NEAR.with_scale(Vec3::splat(0.5)));

@@ -35,6 +35,9 @@ fn everything_is_registered() {
         registration::<ClothContacts>(&app),
         registration::<ClothLayers>(&app),
         registration::<ClothCollidesWith>(&app),
+        registration::<ClothId>(&app),
+        registration::<ClothSnapshot>(&app),
+        registration::<ClothSource>(&app),
     ];
     for component in components {
         assert!(component.data::<ReflectComponent>().is_some(), "{component:?}");
@@ -47,6 +50,8 @@ fn everything_is_registered() {
     ] {
         assert!(resource.data::<ReflectResource>().is_some(), "{resource:?}");
     }
+    assert!(registration::<ClothCollider>(&app).data::<ReflectDefault>().is_some());
+    assert!(registration::<ClothShape>(&app).data::<ReflectDefault>().is_some());
     registration::<Fabric>(&app);
     registration::<PinRule>(&app);
 }
@@ -91,6 +96,9 @@ fn what_a_user_writes_is_serialisable() {
         registration::<ClothSolver>(&app),
         registration::<ClothDisabled>(&app),
         registration::<ClothGravity>(&app),
+        registration::<ClothCollider>(&app),
+        registration::<ClothId>(&app),
+        registration::<ClothSnapshot>(&app),
     ];
     for component in written {
         let both = component.data::<ReflectSerialize>().is_some() && component.data::<ReflectDeserialize>().is_some();

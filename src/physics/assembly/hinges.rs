@@ -153,6 +153,23 @@ impl<T: Scalar> Hinges<T> {
         }
     }
 
+    /// The vertices held, as far as they matter.
+    pub fn held(&self) -> &[bool] {
+        self.mid_edges.as_ref().map_or(&[], MidEdges::held)
+    }
+
+    /// What is remembered from linearisation to linearisation.
+    pub fn turns(&self) -> Vec<T> {
+        self.mid_edges.as_ref().map_or_else(Vec::new, MidEdges::turns)
+    }
+
+    /// Puts that back.
+    pub fn set_turns(&mut self, turns: &[T]) {
+        if let Some(mid_edges) = &mut self.mid_edges {
+            mid_edges.set_turns(turns);
+        }
+    }
+
     /// Angles at `x`, with what damping adds to them.
     fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
         move |part: usize, shares: &[Pack<T>], phi: &[Phi<T>], out: &mut [Phi<T>]| {

@@ -125,6 +125,21 @@ impl<T: Scalar> System<T> {
         self.hinges.settle(&self.points);
     }
 
+    /// The vertices that [`hold`](Self::hold) was last told; empty if what is clamped bends as all else.
+    pub(crate) fn held(&self) -> &[bool] {
+        self.hinges.held()
+    }
+
+    /// What hinges remember from linearisation to linearisation.
+    pub(crate) fn turns(&self) -> Vec<T> {
+        self.hinges.turns()
+    }
+
+    /// Puts that back.
+    pub(crate) fn set_turns(&mut self, turns: &[T]) {
+        self.hinges.set_turns(turns);
+    }
+
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
         let Self { triangles, hinges, points, moved, matrix, rhs } = self;

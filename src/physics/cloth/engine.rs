@@ -4,6 +4,7 @@ use bevy::math::{DAffine3, DVec3};
 
 use super::implicit::Implicit;
 use super::pins::Pins;
+use super::snapshot::Remembered;
 use super::{ClothFault, Precision, SolverSettings, State, StepReport};
 use crate::physics::assembly::{ElasticEnergy, Ordering};
 use crate::physics::contact::{Collider, Contact, Surroundings};
@@ -51,6 +52,12 @@ pub(super) trait Engine: Send + Sync {
     fn restart(&mut self);
     /// Says that the cloth is at `x` now, whatever was before.
     fn settle(&mut self, x: &[DVec3]);
+    /// What the next step depends on beside the state, with vertices in the order of the shape.
+    fn remembered(&self, ordering: &Ordering) -> Remembered;
+    /// How many turns of mid-edge normals are remembered.
+    fn turn_count(&self) -> usize;
+    /// Puts back what was remembered by an engine of the same cloth.
+    fn remember(&mut self, remembered: &Remembered, ordering: &Ordering);
 }
 
 /// The engine of these settings. Its vertices are numbered as `ordering` says.

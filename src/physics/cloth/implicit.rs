@@ -6,6 +6,7 @@ use bevy::platform::time::Instant;
 use super::engine::{Engine, Step};
 use super::pins::Pins;
 use super::scheme::{Linear, Scheme};
+use super::snapshot::{Earlier, Remembered, Turns};
 use super::touching::{Impact, contact_layer, longest_side};
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
@@ -350,5 +351,49 @@ impl<T: Scalar> Engine for Implicit<T> {
     fn settle(&mut self, x: &[DVec3]) {
         self.system.settle(x);
         self.energy_now = None;
+    }
+
+    fn remembered(&self, ordering: &Ordering) -> Remembered {
+        let History { state, dt, changed } = &self.history;
+        let earlier = dt.map(|dt| Earlier {
+            dt,
+            positions: ordering.inner.iter().map(|&v| state.positions[v as usize]).collect(),
+            velocities: ordering.inner.iter().map(|&v| state.velocities[v as usize]).collect(),
+        });
+        Remembered {
+            earlier,
+            changed: *changed,
+            energy_now: self.energy_now,
+            surplus: self.surplus,
+            impact: self.impact,
+            touches: self.contact.memories().into(),
+            held: (0..).zip(self.system.held()).filter(|(_, held)| **held).map(|(vertex, _)| vertex).collect(),
+            turns: Turns::new(&self.system.turns()),
+        }
+    }
+
+    fn turn_count(&self) -> usize {
+        self.system.turns().len()
+    }
+
+    fn remember(&mut self, remembered: &Remembered, ordering: &Ordering) {
+        let mut held = vec![false; ordering.outer.len()];
+        remembered.held.iter().for_each(|&vertex| held[vertex as usize] = true);
+        self.system.hold(&held);
+        self.system.set_turns(&remembered.turns.to::<T>());
+        self.contact.forget();
+        self.contact.recall_all(&remembered.touches);
+        let state = &mut self.history.state;
+        if let Some(Earlier { positions, velocities, .. }) = &remembered.earlier {
+            for (inner, &outer) in ordering.outer.iter().enumerate() {
+                state.positions[inner] = positions[outer as usize];
+                state.velocities[inner] = velocities[outer as usize];
+            }
+        }
+        self.history.dt = remembered.earlier.as_ref().map(|earlier| earlier.dt);
+        self.history.changed = remembered.changed;
+        self.energy_now = remembered.energy_now;
+        self.surplus = remembered.surplus;
+        self.impact = remembered.impact;
     }
 }

@@ -12,6 +12,8 @@ mod rigid;
 mod safeguard;
 mod scheme;
 mod settings;
+mod shared;
+mod snapshot;
 mod touching;
 
 use bevy::math::{DAffine3, DVec3};
@@ -24,6 +26,8 @@ pub use measure::{Energy, Stretch};
 pub use quality::Quality;
 pub use report::{ClothFault, StepOutcome, StepReport};
 pub use settings::{Precision, SettingsError, SolverSettings};
+pub(crate) use shared::Shared;
+pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;

@@ -36,7 +36,8 @@ const MANY_RESCUES: u32 = 5;
 const RESCUE_PIECES: u32 = 4;
 
 /// How the last step went.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Impact {
     /// Substeps that it was taken in.
     pieces: u32,

@@ -217,6 +217,16 @@ impl ContactLayer {
         }));
     }
 
+    /// What is remembered for the next substep.
+    pub fn memories(&self) -> &[Memory] {
+        self.memory.all()
+    }
+
+    /// Replaces that.
+    pub fn recall_all(&mut self, memories: &[Memory]) {
+        self.memory.replace(memories.iter().copied());
+    }
+
     /// Forgets everything: the cloth was put elsewhere.
     pub fn forget(&mut self) {
         self.touches.clear();

@@ -5,8 +5,9 @@ use bevy::math::DVec3;
 use super::touch::{SURFACE, Touch};
 
 /// Of one touch.
-#[derive(Clone, Copy)]
-pub(super) struct Memory {
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Memory {
     /// Id of the collider.
     pub collider: u64,
     pub feature: u32,
@@ -18,6 +19,17 @@ pub(super) struct Memory {
     pub friction: DVec3,
     /// The way of slip in the frame of the collider, if it slipped.
     pub slipping: Option<DVec3>,
+}
+
+impl Memory {
+    /// Whether every number is finite.
+    pub fn is_finite(&self) -> bool {
+        let Self { normal_force, before, friction, slipping, .. } = self;
+        normal_force.is_finite()
+            && before.is_finite()
+            && friction.is_finite()
+            && slipping.is_none_or(|way| way.is_finite())
+    }
 }
 
 /// Of all touches.
@@ -46,6 +58,11 @@ impl Memories {
                 before.chain(after).filter(|memory| shared(memory) > 0).max_by_key(shared)
             }
         }
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[Memory] {
+        &self.0
     }
 
     pub fn is_empty(&self) -> bool {

@@ -25,6 +25,7 @@ use parry3d::shape::SharedShape;
 pub(crate) use collider::merged;
 pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
+pub(crate) use memory::Memory;
 
 /// The distance (m) from a point to a shape, in its frame, and the outward unit normal there. Where the surface is further than `within`, that may
 /// stand for the distance.

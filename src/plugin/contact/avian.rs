@@ -8,6 +8,7 @@ use super::collider::ClothCollider;
 use super::engines::{ClothPhysicsCollider, take_over};
 use super::error::ClothColliderError;
 use crate::physics::StepOutcome;
+use crate::plugin::id::ClothId;
 use crate::plugin::state::ClothState;
 use crate::plugin::{ClothSystems, budget};
 
@@ -57,13 +58,17 @@ fn end(removed: On<Remove, Collider>, marked: Query<(), With<ClothPhysicsCollide
     }
 }
 
-/// Hands the impulses of this tick's steps to the bodies.
-fn push(cloths: Query<&ClothState>, colliders: Query<&ColliderOf>, mut bodies: Query<Forces, With<ClothPushes>>) {
+/// Hands the impulses of this tick's steps to the bodies, in the same order in every run.
+fn push(
+    cloths: Query<(&ClothState, Option<&ClothId>)>,
+    colliders: Query<&ColliderOf>,
+    mut bodies: Query<Forces, With<ClothPushes>>,
+) {
     let stepped =
         |state: &&ClothState| state.report_of_this_tick().is_some_and(|report| report.outcome == StepOutcome::Accepted);
-    for state in cloths.iter().filter(stepped) {
+    for state in cloths.iter().sort::<Option<&ClothId>>().map(|(state, _)| state).filter(stepped) {
         for contact in state.cloth.contacts() {
-            let Some(collider) = Entity::try_from_bits(contact.collider) else { continue };
+            let Some(collider) = state.collider(contact.collider) else { continue };
             let body = colliders.get(collider).map_or(collider, |of| of.body);
             if let Ok(mut forces) = bodies.get_mut(body) {
                 let impulse = -contact.force * state.step_length();

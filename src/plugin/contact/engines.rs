@@ -33,7 +33,7 @@ pub(super) fn take_over(
     }
     let teleport_distance = current.map_or(ClothCollider::TELEPORT_DISTANCE, |current| current.teleport_distance);
     if let Ok(mut entity) = commands.get_entity(entity) {
-        let collider = ClothCollider::new(shape.clone()).with_friction(friction);
+        let collider = ClothCollider::undescribed(shape.clone()).with_friction(friction);
         entity.try_insert(collider.with_teleport_distance(teleport_distance));
     }
 }

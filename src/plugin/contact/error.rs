@@ -38,6 +38,23 @@ pub enum ClothShapeError {
         /// That of the first.
         expected: usize,
     },
+    /// A half-space needs a normal.
+    #[error("the normal {0} of the half-space has no direction")]
+    Normal(Vec3),
+    /// A part of a compound is a surface of triangles.
+    #[error(
+        "part {part} is a surface of triangles, which cannot be part of a compound: spawn it as a collider of its own"
+    )]
+    Part {
+        /// The part.
+        part: usize,
+    },
+    /// [`ClothShape::Undescribed`](super::ClothShape::Undescribed) was loaded, or set.
+    #[error(
+        "the shape was not saved, as it is of a kind that `ClothShape` does not describe: insert the `ClothCollider` \
+         again after loading, or build it of another shape"
+    )]
+    Undescribed,
     /// The mesh cannot be read.
     #[error("{0}")]
     Mesh(String),

@@ -1,5 +1,7 @@
 //! The colliders that each cloth may touch in its next step.
 
+use std::sync::Once;
+
 use bevy::math::{DAffine3, DQuat, DVec3};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -12,6 +14,7 @@ use super::track::Track;
 use crate::physics::{Cloth, Collider, Pose};
 use crate::plugin::budget::Keeper;
 use crate::plugin::follow::Carried;
+use crate::plugin::id::ClothId;
 use crate::plugin::state::ClothState;
 
 /// A collider near a cloth, and its way through the last step.
@@ -55,7 +58,7 @@ pub(in crate::plugin) fn give(
     time: Res<Time>,
     mut surroundings: ResMut<Surroundings>,
     mut keeper: ResMut<Keeper>,
-    colliders: Query<(&ClothCollider, &Track)>,
+    colliders: Query<(&ClothCollider, &Track, &ClothId)>,
     mut cloths: Query<(Entity, &mut ClothState, Option<&ClothLayers>, Option<&ClothCollidesWith>)>,
 ) {
     let start = Instant::now();
@@ -72,30 +75,42 @@ pub(in crate::plugin) fn give(
             let mut met = core::mem::take(&mut state.met);
             met.clear();
             let layers = layers.copied().unwrap_or_default();
+            let before = core::mem::take(&mut state.resumed);
+            let resumed = |id: u64| Some(before.iter().find(|(known, _)| *known == id)?.1);
             let wanted = |&(collider, its): &(Entity, ClothLayers)| {
                 collider != entity && layers.interacts_with(its) && only.is_none_or(|only| only.contains(&collider))
             };
             given.extend(surroundings.near(seen).filter(wanted).filter_map(|(entity, _)| {
-                let (collider, track) = colliders.get(entity).ok()?;
+                let (collider, track, &ClothId(id)) = colliders.get(entity).ok()?;
                 let (shape, end) = track.present()?;
-                let start = carried.start(track.pose_before(ticks)?, end, middle);
+                let start = match resumed(id) {
+                    Some(start) => start,
+                    None => carried.start(track.pose_before(ticks)?, end, middle),
+                };
                 let way = track.bounds()?.swept(&start, &end);
                 if way.grown(track.lead()).overlaps(&seen) {
                     met.push(Met { entity, shape: shape.clone(), start, end });
                 }
-                way.overlaps(&bounds).then(|| Collider {
-                    id: entity.to_bits(),
+                way.overlaps(&bounds).then_some(())?;
+                let given = Collider {
+                    id,
                     shape: shape.clone(),
                     start,
                     end,
                     friction: collider.friction.into(),
-                })
+                };
+                Some((entity, given))
             }));
             state.met = met;
+            // In an order that does not depend on where the entities are in memory.
+            given.sort_by_key(|(_, collider)| collider.id);
+            tell_twins(&given);
+            state.near.clear();
+            state.near.extend(given.iter().map(|(entity, collider)| (collider.id, *entity)));
         }
         let takes_away = due || surroundings.colliders.is_empty();
         if !given.is_empty() || (takes_away && !state.cloth.colliders().is_empty()) {
-            state.cloth.set_colliders(given.drain(..));
+            state.cloth.set_colliders(given.drain(..).map(|(_, collider)| collider));
         }
         surroundings.held |= !state.cloth.colliders().is_empty();
     }
@@ -121,6 +136,17 @@ impl Carried {
 /// How many times further than the physics the picture looks for colliders: it is up to a frame and a tick ahead of the step, and is led
 /// around what is within three times the way from there.
 const AHEAD: f64 = 8.0;
+
+/// Two colliders of one id share what cloth remembers of them.
+fn tell_twins(given: &[(Entity, Collider)]) {
+    for pair in given.windows(2).filter(|pair| pair[0].1.id == pair[1].1.id) {
+        let ((a, Collider { id, .. }), (b, _)) = (&pair[0], &pair[1]);
+        static TOLD: Once = Once::new();
+        TOLD.call_once(|| {
+            tracing::warn!("cloth colliders {a} and {b} have the same `ClothId({id})`: give each its own, or none");
+        });
+    }
+}
 
 /// Around all places that a cloth can come to in a step of `dt` seconds: no vertex goes further than the fastest does, gravity
 /// besides, or than a held one is taken. Then the same for its picture.

@@ -116,6 +116,8 @@ impl ClothMeshCollider {
             ClothMeshShape::Surface => ClothCollider::from_mesh(mesh),
             ClothMeshShape::Hull => ClothCollider::hull_of_mesh(mesh),
         }?;
+        // The mesh describes it.
+        let collider = ClothCollider::undescribed(collider.shape().clone());
         Ok(Some(collider.with_friction(self.friction).with_teleport_distance(self.teleport_distance)))
     }
 }

@@ -10,6 +10,7 @@
 pub(super) mod avian;
 mod bounds;
 mod collider;
+mod description;
 #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
 mod engines;
 mod error;
@@ -29,6 +30,8 @@ mod track;
 #[cfg(feature = "avian3d")]
 pub use avian::ClothPushes;
 pub use collider::ClothCollider;
+pub(super) use collider::rebuild;
+pub use description::{ClothShape, ClothShapePart};
 #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
 pub use engines::ClothPhysicsCollider;
 #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
@@ -41,9 +44,7 @@ pub(super) use mesh::{end as end_mesh, shape_meshes};
 pub use settings::ClothContact;
 pub(super) use touches::tell;
 pub use touches::{ClothContacts, ClothTouch};
-#[cfg(feature = "debug")]
-pub(super) use track::Track;
-pub(super) use track::{end, track};
+pub(super) use track::{Track, end, track};
 
 use bevy::prelude::*;
 

@@ -2,50 +2,47 @@
 
 use bevy::prelude::*;
 use parry3d::math::Pose;
-use parry3d::shape::SharedShape;
-use parry3d::utils::Array2;
 
 use super::collider::ClothCollider;
+use super::description::{ClothShape, ClothShapePart, assemble};
 use super::error::ClothShapeError;
-use super::hull::hull;
-use super::surface::surface;
 use crate::plugin::mesh_io::SourceMesh;
 
 /// Constructors; all sizes in metres, centred at the origin of the entity unless they say otherwise.
 impl ClothCollider {
     /// A ball.
     pub fn sphere(radius: f32) -> Self {
-        SharedShape::ball(radius).into()
+        Self::described(ClothShape::Sphere { radius })
     }
 
     /// A capsule along Y; `length` is that of the part between its two half balls.
     pub fn capsule(radius: f32, length: f32) -> Self {
-        SharedShape::capsule_y(0.5 * length, radius).into()
+        Self::capsule_between(Vec3::NEG_Y * 0.5 * length, Vec3::Y * 0.5 * length, radius)
     }
 
     /// A capsule whose half balls have their centres at `a` and `b`: a bone with some flesh.
     pub fn capsule_between(a: Vec3, b: Vec3, radius: f32) -> Self {
-        SharedShape::capsule(a, b, radius).into()
+        Self::described(ClothShape::Capsule { a, b, radius })
     }
 
     /// A box of these sizes along X, Y and Z.
     pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
-        SharedShape::cuboid(0.5 * x, 0.5 * y, 0.5 * z).into()
+        Self::described(ClothShape::Cuboid { size: Vec3::new(x, y, z) })
     }
 
     /// A cylinder along Y.
     pub fn cylinder(radius: f32, height: f32) -> Self {
-        SharedShape::cylinder(0.5 * height, radius).into()
+        Self::described(ClothShape::Cylinder { radius, height })
     }
 
     /// A cone along Y, its tip up; the origin is half way up.
     pub fn cone(radius: f32, height: f32) -> Self {
-        SharedShape::cone(0.5 * height, radius).into()
+        Self::described(ClothShape::Cone { radius, height })
     }
 
     /// All that is on the other side of the plane through the origin: cloth stays on the side that `normal` points to.
     pub fn half_space(normal: Dir3) -> Self {
-        SharedShape::halfspace(*normal).into()
+        Self::described(ClothShape::HalfSpace { normal: *normal })
     }
 
     /// The smallest convex body around these points.
@@ -53,7 +50,7 @@ impl ClothCollider {
     /// # Errors
     /// If the points are in one plane, or one is not finite.
     pub fn convex_hull(points: &[Vec3]) -> Result<Self, ClothShapeError> {
-        Ok(hull(points)?.into())
+        Self::from_shape(ClothShape::ConvexHull { points: points.to_vec() })
     }
 
     /// The surface of triangles, counter-clockwise seen from outside. If it is closed (every edge has two triangles), it is solid;
@@ -62,7 +59,7 @@ impl ClothCollider {
     /// # Errors
     /// If there are no triangles, one names a vertex that does not exist, or a vertex is not finite.
     pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ClothShapeError> {
-        Ok(surface(&vertices, &triangles)?.into())
+        Self::from_shape(ClothShape::Trimesh { vertices, triangles })
     }
 
     /// [`trimesh`](Self::trimesh) of a Bevy mesh, as it is now.
@@ -90,39 +87,24 @@ impl ClothCollider {
     /// # Errors
     /// If there are fewer than two rows or columns, rows of different lengths, or a height is not finite.
     pub fn heightfield(heights: &[Vec<f32>], scale: Vec3) -> Result<Self, ClothShapeError> {
-        let (rows, columns) = (heights.len(), heights.first().map_or(0, Vec::len));
-        if rows < 2 || columns < 2 {
-            return Err(ClothShapeError::Empty("two rows of two heights".into()));
-        }
-        if let Some(row) = heights.iter().position(|row| row.len() != columns) {
-            return Err(ClothShapeError::Uneven { row, found: heights[row].len(), expected: columns });
-        }
-        if let Some(index) = heights.iter().flatten().position(|height| !height.is_finite()) {
-            return Err(ClothShapeError::NotFinite(index));
-        }
-        // Column by column.
-        let data = (0..columns).flat_map(|column| heights.iter().map(move |row| row[column])).collect();
-        Ok(SharedShape::heightfield(Array2::new(rows, columns, data), scale).into())
+        Self::from_shape(ClothShape::Heightfield { heights: heights.to_vec(), scale })
     }
 
     /// Several colliders as one, each moved and turned. They have the friction of the whole, not their own.
     ///
     /// # Errors
-    /// If there are none.
+    /// If there are none, or one is a surface of triangles.
     pub fn compound(parts: impl IntoIterator<Item = (Vec3, Quat, ClothCollider)>) -> Result<Self, ClothShapeError> {
-        let mut shapes = Vec::new();
-        for (translation, rotation, part) in parts {
-            let pose = Pose::from_parts(translation, rotation);
-            match part.shape().as_compound() {
-                // Compounds cannot be nested.
-                Some(compound) => shapes.extend(compound.shapes().iter().map(|(own, s)| (pose * *own, s.clone()))),
-                None => shapes.push((pose, part.shape().clone())),
-            }
-        }
-        if shapes.is_empty() {
-            return Err(ClothShapeError::Empty("parts".into()));
-        }
-        Ok(SharedShape::compound(shapes).into())
+        let parts: Vec<_> = parts.into_iter().collect();
+        let place = |(translation, rotation, part): &(Vec3, Quat, Self)| {
+            Ok((Pose::from_parts(*translation, *rotation), part.shape().clone()))
+        };
+        let shape = assemble(parts.iter().map(place))?;
+        let part = |(translation, rotation, part): (Vec3, Quat, Self)| {
+            let shape = part.description().clone();
+            ClothShapePart { translation, rotation, shape }
+        };
+        Ok(Self::compound_of(parts.into_iter().map(part).collect(), shape))
     }
 }
 

@@ -29,10 +29,10 @@ pub struct ClothTouch {
     pub force: Vec3,
 }
 
-impl From<Contact> for ClothTouch {
-    fn from(contact: Contact) -> Self {
+impl ClothTouch {
+    fn new(contact: Contact, state: &ClothState) -> Self {
         Self {
-            collider: Entity::try_from_bits(contact.collider).unwrap_or(Entity::PLACEHOLDER),
+            collider: state.collider(contact.collider).unwrap_or(Entity::PLACEHOLDER),
             vertices: contact.vertices,
             weights: contact.weights.map(|weight| weight as f32),
             point: contact.point.as_vec3(),
@@ -48,7 +48,7 @@ pub(in crate::plugin) fn tell(mut cloths: Query<(&ClothState, &mut ClothContacts
         if state.report_of_this_tick().is_none() {
             continue;
         }
-        let mut touches = state.cloth.contacts().map(ClothTouch::from).peekable();
+        let mut touches = state.cloth.contacts().map(|contact| ClothTouch::new(contact, state)).peekable();
         if contacts.0.is_empty() && touches.peek().is_none() {
             continue;
         }

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use bevy::math::DAffine3;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use parry3d::shape::SharedShape;
@@ -116,12 +117,22 @@ impl Track {
         Some(self.sized.as_ref()?.bounds)
     }
 
+    /// Forgets its way: it stands here.
+    pub fn stand(&mut self, transform: &GlobalTransform) {
+        let (Some(sized), Ok(affine)) = (&self.sized, usable(transform)) else { return };
+        let pose = pose(&affine);
+        let bounds = sized.bounds.at(&pose);
+        (self.still, self.reach) = (0, Some(bounds));
+        self.moments.clear();
+        self.moments.push_front(Moment { pose, bounds });
+    }
+
     fn follow(&mut self, collider: &Ref<ClothCollider>, transform: &GlobalTransform) -> Result<(), ClothColliderError> {
         collider.validate()?;
         let affine = usable(transform).map_err(|_| ClothColliderError::Transform)?;
-        let (scale, rotation, translation) = affine.to_scale_rotation_translation();
+        let (scale, ..) = affine.to_scale_rotation_translation();
         let resized = self.resize(collider, scale.as_vec3())?;
-        self.move_to(Pose { translation, rotation: rotation.normalize() }, collider.teleport_distance.into(), resized);
+        self.move_to(pose(&affine), collider.teleport_distance.into(), resized);
         Ok(())
     }
 
@@ -164,6 +175,12 @@ impl Track {
         self.moments.push_front(Moment { pose, bounds: sized.bounds.swept(&before, &pose) });
         self.reach = Some(self.moments.iter().fold(Bounds::EMPTY, |reach, moment| reach.and(moment.bounds)));
     }
+}
+
+/// Where a transform puts a shape, scale aside.
+fn pose(affine: &DAffine3) -> Pose {
+    let (_, rotation, translation) = affine.to_scale_rotation_translation();
+    Pose { translation, rotation: rotation.normalize() }
 }
 
 /// A collider that is none any more leaves nothing behind.

@@ -30,6 +30,7 @@ pub(in crate::plugin) struct Limits {
 
 /// The velocity of its entity as a cloth feels it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::plugin) struct Felt {
     /// Of the middle of what is held, m/s, and rad/s.
     velocity: DVec3,

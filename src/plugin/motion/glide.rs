@@ -16,10 +16,12 @@ const ACCELERATION: f64 = 10.0;
 const THERE: f64 = 1e-6;
 
 /// Held vertices that are not where they are held yet.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::plugin) struct Glides(BTreeMap<u32, Glide>);
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct Glide {
     /// From where it is held to where it is, in the space of the entity.
     offset: DVec3,

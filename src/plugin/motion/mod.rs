@@ -113,6 +113,16 @@ impl Motions {
         }
     }
 
+    /// Says that everything has always been where it is now: the world was put back into another state.
+    pub fn forget_all(&mut self, transforms: &Query<&Transform>) {
+        let time = self.clock.previous;
+        for (&entity, node) in &mut self.nodes {
+            if let Ok(transform) = transforms.get(entity) {
+                node.forget(time, transform);
+            }
+        }
+    }
+
     fn is_teleported(&self, entity: Entity) -> bool {
         self.teleported.iter().any(|&teleported| teleported == (entity, self.tick))
     }

@@ -124,6 +124,23 @@ impl<T: Scalar> MidEdges<T> {
         changed
     }
 
+    /// The vertices that [`hold`](Self::hold) was last told.
+    pub fn held(&self) -> &[bool] {
+        &self.held
+    }
+
+    /// φ of all packs, one number after another.
+    pub fn turns(&self) -> Vec<T> {
+        self.phi.iter().flatten().flat_map(|pack| pack.0).collect()
+    }
+
+    /// Puts them back, after [`hold`](Self::hold).
+    pub fn set_turns(&mut self, turns: &[T]) {
+        for (pack, turns) in self.phi.iter_mut().flatten().zip(turns.chunks_exact(ROWS)) {
+            pack.0.copy_from_slice(turns);
+        }
+    }
+
     fn clamp(&mut self) {
         for edge in 0..self.edges.count() {
             let Self { edges, triangles, held, .. } = &*self;

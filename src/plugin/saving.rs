@@ -1,0 +1,48 @@
+//! The mesh of a running cloth, for those who save worlds.
+
+use bevy::prelude::*;
+
+use super::components::ClothMesh;
+use super::state::ClothState;
+
+/// The mesh that a running cloth was made of: inserted beside its [`ClothState`], so that a saved world knows it.
+///
+/// While a cloth runs, its [`Mesh3d`] is a copy of its own, which no file has: a world saved by reflection (Bevy's `DynamicWorld`)
+/// has the default handle there, and Bevy warns of that. An entity that is loaded with a [`ClothMesh`], this component and the
+/// default handle takes the mesh named here. So nothing has to be done for a mesh that is loaded from a file. The handle of a mesh
+/// that is built in code survives only if it is one of a UUID, under which the game adds the mesh again:
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy::asset::uuid_handle;
+/// const SHEET: Handle<Mesh> = uuid_handle!("3d9a7c1e-6c1b-4c0e-9f63-2a5d0f3c8b11");
+/// fn add_sheet(mut meshes: ResMut<Assets<Mesh>>) {
+///     let sheet = Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(30);
+///     meshes.insert(&SHEET, sheet.into()).expect("no such mesh yet");
+/// }
+/// ```
+///
+/// What comes back with a world: the components of cloths and colliders, [`ClothCollider`](super::ClothCollider)s with their
+/// [shapes](super::ClothShape), and the motion of each cloth if a [`ClothSnapshot`](super::ClothSnapshot) was inserted before saving.
+/// What does not: [pins](super::ClothPins) that are functions of the vertex.
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothSource(pub Handle<Mesh>);
+
+/// Notes the mesh of a cloth that starts, or starts again.
+pub(super) fn note(started: On<Insert, ClothState>, states: Query<&ClothState>, mut commands: Commands) {
+    if let Ok(state) = states.get(started.entity)
+        && let Ok(mut entity) = commands.get_entity(started.entity)
+    {
+        entity.try_insert(ClothSource(state.source_mesh().clone()));
+    }
+}
+
+/// Gives a loaded cloth the mesh that it was made of.
+pub(super) fn take(mut loaded: Query<(&mut Mesh3d, &ClothSource), (With<ClothMesh>, Without<ClothState>)>) {
+    for (mut mesh, source) in &mut loaded {
+        if mesh.0 == Handle::default() && source.0 != Handle::default() {
+            mesh.0 = source.0.clone();
+        }
+    }
+}
