@@ -57,11 +57,11 @@ pub mod prelude {
     #[cfg(feature = "avian3d")]
     pub use crate::plugin::ClothPushes;
     pub use crate::plugin::{
-        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
-        ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
-        ClothGravity, ClothImportance, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider, ClothMeshShape,
-        ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError, ClothSolver, ClothState,
-        ClothSystems, ClothTouch, PinChannel, PinRule, PinVertex,
+        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothColliderKind,
+        ClothCollidesWith, ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled,
+        ClothError, ClothGravity, ClothImportance, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
+        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothShapeError,
+        ClothSolver, ClothState, ClothSystems, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

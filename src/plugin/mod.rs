@@ -55,8 +55,8 @@ pub use contact::ClothPhysicsCollider;
 #[cfg(feature = "avian3d")]
 pub use contact::ClothPushes;
 pub use contact::{
-    ClothCollider, ClothColliderError, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers, ClothMeshCollider,
-    ClothMeshShape, ClothShapeError, ClothTouch,
+    ClothCollider, ClothColliderError, ClothColliderKind, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers,
+    ClothMeshCollider, ClothMeshShape, ClothShapeError, ClothTouch,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebugPlugin, ClothGizmos};

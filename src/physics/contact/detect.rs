@@ -119,7 +119,7 @@ impl ContactLayer {
                     find::distinct(&mut found);
                 }
             }
-            for found in found.drain(..) {
+            for found in found.drain(..).filter(|found| !found.passes(&body, moving)) {
                 self.begin(found, index, &body, around, moving);
             }
         }
@@ -239,7 +239,8 @@ impl ContactLayer {
                     (touch.collider as usize, touch.feature, touch.vertices) == (index, found.feature, found.vertices)
                         && touch.is_active()
                 };
-                if found.meeting.normal.dot(x) > found.meeting.surface || self.touches.iter().any(held) {
+                let outside = found.meeting.normal.dot(x) > found.meeting.surface;
+                if outside || self.touches.iter().any(held) || found.passes(body, moving) {
                     continue;
                 }
                 self.begin(found, index, body, around, moving);

@@ -32,6 +32,15 @@ pub(super) struct Found {
     pub meeting: Meeting,
 }
 
+impl Found {
+    /// Whether it came from the free side of what is solid from one side only.
+    pub fn passes(&self, body: &Body, moving: &Moving) -> bool {
+        let places = self.vertices.iter().zip(self.weights);
+        let start: DVec3 = places.map(|(&vertex, weight)| weight * moving.x[vertex as usize]).sum();
+        body.is_passed_by(&self.meeting, start)
+    }
+}
+
 /// The triangles of a cloth.
 #[derive(Default)]
 pub(super) struct Faces {

@@ -16,9 +16,11 @@ mod guard;
 mod layer;
 mod meeting;
 mod memory;
+mod sheet;
 mod surface;
 mod touch;
 
 pub(crate) use collider::merged;
 pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
+pub(crate) use sheet::is_sheet;

@@ -15,6 +15,7 @@ mod engines;
 mod error;
 mod give;
 mod hull;
+mod kind;
 mod layers;
 mod mesh;
 #[cfg(feature = "rapier3d")]
@@ -25,6 +26,7 @@ mod shapes;
 mod surface;
 mod touches;
 mod track;
+mod winding;
 
 #[cfg(feature = "avian3d")]
 pub use avian::ClothPushes;
@@ -35,6 +37,7 @@ pub use engines::ClothPhysicsCollider;
 pub(super) use engines::end_mark;
 pub use error::{ClothColliderError, ClothShapeError};
 pub(super) use give::{Surroundings, give};
+pub use kind::ClothColliderKind;
 pub use layers::{ClothCollidesWith, ClothLayers};
 pub use mesh::{ClothMeshCollider, ClothMeshShape};
 pub(super) use mesh::{end as end_mesh, shape_meshes};
