@@ -98,10 +98,7 @@ impl ClothState {
     fn collect_contact(&mut self, contact: Option<&ClothContact>) {
         let settings = contact.map_or_else(ContactSettings::default, |&contact| contact.into());
         if settings != self.cloth.contact_settings() || self.faults.contact.is_some() {
-            self.faults.contact = settings.validate().err().map(Into::into);
-            if self.faults.contact.is_none() {
-                self.cloth.set_contact_settings(settings);
-            }
+            self.faults.contact = self.cloth.set_contact_settings(settings).err().map(Into::into);
         }
     }
 
@@ -151,7 +148,7 @@ impl ClothState {
         let same_vertices = shape.simulated == old.shape().simulated;
         let mut cloth = Cloth::new(shape, *old.fabric(), *old.settings())?;
         cloth.set_gravity(old.gravity());
-        cloth.set_contact_settings(old.contact_settings());
+        cloth.set_contact_settings(old.contact_settings())?;
         if same_vertices {
             cloth.set_state(old.positions(), old.velocities());
         }

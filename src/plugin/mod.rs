@@ -213,7 +213,10 @@ impl Plugin for ClothPlugin {
         #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
         app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
         #[cfg(feature = "avian3d")]
-        contact::avian::plugin(app, self.schedule);
+        {
+            contact::avian::plugin(app, self.schedule);
+            contact::pushes::plugin(app, self.schedule);
+        }
         #[cfg(feature = "rapier3d")]
         contact::rapier::plugin(app, self.schedule);
     }

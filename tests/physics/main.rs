@@ -5,6 +5,8 @@ mod assembly;
 mod bending;
 mod contact;
 mod contact_between;
+mod contact_repairs;
+mod contact_surfaces;
 mod derivatives;
 mod determinism;
 mod extremes;

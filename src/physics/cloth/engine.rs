@@ -6,7 +6,7 @@ use super::implicit::Implicit;
 use super::pins::Pins;
 use super::{ClothFault, Precision, SolverSettings, State, StepReport};
 use crate::physics::assembly::{ElasticEnergy, Ordering};
-use crate::physics::contact::{Collider, Contact, Surroundings};
+use crate::physics::contact::{Contact, Surroundings};
 use crate::physics::material::Fabric;
 use crate::physics::mesh::RestShape;
 
@@ -37,8 +37,8 @@ pub(super) trait Engine: Send + Sync {
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric);
     /// Changes settings that [`SolverSettings::same_engine`] allows.
     fn set_settings(&mut self, settings: &SolverSettings);
-    /// Contacts of the last step, with vertices as the engine numbers them.
-    fn contacts(&self, colliders: &[Collider]) -> Vec<Contact>;
+    /// Contacts of the last step, which led to these positions, with vertices as the engine numbers them.
+    fn contacts(&self, positions: &[DVec3]) -> Vec<Contact>;
     /// Forgets earlier states: the present one was put there from outside.
     fn restart(&mut self);
     /// Says that the cloth is at `x` now, whatever was before.

@@ -7,6 +7,7 @@ use parry3d::shape::SharedShape;
 
 use super::features::{Features, of_shape};
 use super::find::{self, Found, Scene};
+use super::known::features_of;
 use super::layer::{ContactLayer, Moving, Surroundings};
 use super::meeting::Body;
 use super::touch::{SURFACE, Touch};
@@ -96,12 +97,12 @@ impl ContactLayer {
             let collider = &around.colliders[index];
             let body = Body::new(collider, around.from, around.to);
             let same = |features: &[(_, _)]| {
-                features.iter().position(|(s, _): &(SharedShape, Features)| Arc::ptr_eq(&s.0, &collider.shape.0))
+                features.iter().position(|(s, _): &(SharedShape, Arc<Features>)| Arc::ptr_eq(&s.0, &collider.shape.0))
             };
             let known = same(&self.features).unwrap_or_else(|| {
                 let its = match same(&before) {
                     Some(known) => before.swap_remove(known),
-                    None => (collider.shape.clone(), Features::new(&collider.shape)),
+                    None => (collider.shape.clone(), features_of(&collider.shape)),
                 };
                 self.features.push(its);
                 self.features.len() - 1

@@ -98,9 +98,9 @@ impl Features {
 }
 
 /// The features of a shape that has any, among those that are known.
-pub(super) fn of_shape<'a>(known: &'a [(SharedShape, Features)], shape: &SharedShape) -> Option<&'a Features> {
+pub(super) fn of_shape<'a>(known: &'a [(SharedShape, Arc<Features>)], shape: &SharedShape) -> Option<&'a Features> {
     let this = known.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0));
-    this.map(|(_, features)| features).filter(|features| !features.is_empty())
+    this.map(|(_, features)| &**features).filter(|features| !features.is_empty())
 }
 
 fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f64) {

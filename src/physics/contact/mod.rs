@@ -13,6 +13,7 @@ mod detect;
 mod features;
 mod find;
 mod guard;
+mod known;
 mod layer;
 mod meeting;
 mod memory;
@@ -21,6 +22,6 @@ mod surface;
 mod touch;
 
 pub(crate) use collider::merged;
-pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
+pub use collider::{Collider, ColliderError, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
 pub(crate) use sheet::is_sheet;

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Whether a mesh is one: its triangles say which side is outside, and the first of them has a side without neighbour. (Whoever builds
 /// such a mesh puts such a triangle first: looking at all of them would take too long in every step.)
-pub(super) fn is_sheet(mesh: &TriMesh) -> bool {
+pub(crate) fn is_sheet(mesh: &TriMesh) -> bool {
     let border = |topology: &TriMeshTopology| (0..3).any(|edge| is_rim(topology, edge));
     mesh.pseudo_normals_if_oriented().is_some() && mesh.topology().is_some_and(border)
 }

@@ -76,7 +76,8 @@ pub(in crate::plugin) fn give(
         }
         let takes_away = due || surroundings.colliders.is_empty();
         if !given.is_empty() || (takes_away && !state.cloth.colliders().is_empty()) {
-            state.cloth.set_colliders(given.drain(..));
+            // Their poses and friction were checked where they were tracked.
+            let _ = state.cloth.set_colliders(given.drain(..));
         }
         surroundings.held |= !state.cloth.colliders().is_empty();
     }
@@ -91,5 +92,5 @@ fn reach_of_step(cloth: &Cloth, dt: f64) -> Bounds {
     let pulled = |(vertex, target): (u32, DVec3)| cloth.positions()[vertex as usize].distance(target);
     let pull = cloth.pinned().map(pulled).fold(0.0, f64::max);
     let fall = speed * dt + cloth.gravity().length() * dt * dt;
-    bounds.grown(2.0 * cloth.contact_settings().thickness + fall.max(pull))
+    bounds.grown(cloth.contact_settings().reach() + fall.max(pull))
 }

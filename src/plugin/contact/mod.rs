@@ -18,18 +18,19 @@ mod hull;
 mod kind;
 mod layers;
 mod mesh;
+#[cfg(feature = "avian3d")]
+pub(super) mod pushes;
 #[cfg(feature = "rapier3d")]
 pub(super) mod rapier;
 mod scale;
 mod settings;
 mod shapes;
+mod shear;
 mod surface;
 mod touches;
 mod track;
 mod winding;
 
-#[cfg(feature = "avian3d")]
-pub use avian::ClothPushes;
 pub use collider::ClothCollider;
 #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
 pub use engines::ClothPhysicsCollider;
@@ -41,6 +42,8 @@ pub use kind::ClothColliderKind;
 pub use layers::{ClothCollidesWith, ClothLayers};
 pub use mesh::{ClothMeshCollider, ClothMeshShape};
 pub(super) use mesh::{end as end_mesh, shape_meshes};
+#[cfg(feature = "avian3d")]
+pub use pushes::ClothPushes;
 pub use settings::ClothContact;
 pub(super) use touches::tell;
 pub use touches::{ClothContacts, ClothTouch};

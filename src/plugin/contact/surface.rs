@@ -29,6 +29,15 @@ pub(super) fn surface(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Share
     SharedShape::trimesh_with_flags(places, triangles, flags).map_err(|_| ClothShapeError::Empty("triangles".into()))
 }
 
+/// The triangles of a field of heights, all counter-clockwise seen from above.
+pub(super) fn ground((vertices, mut triangles): (Vec<Vec3>, Vec<[u32; 3]>)) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    for triangle in &mut triangles {
+        let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+        *triangle = turn(*triangle, (b - a).cross(c - a).y < 0.0);
+    }
+    (vertices, triangles)
+}
+
 /// Decides what triangles are the surface of, and brings them into the order and the direction that this needs.
 fn wound(mut triangles: Vec<[u32; 3]>, places: &[Vec3]) -> (Vec<[u32; 3]>, TriMeshFlags) {
     let Distinct { triangles: single, doubled } = distinct(&triangles);

@@ -11,7 +11,7 @@ use super::collider::ClothCollider;
 use super::error::{ClothColliderError, report};
 use super::give::Surroundings;
 use super::layers::ClothLayers;
-use super::scale::scaled;
+use super::shear::{Sheared, Size};
 use crate::physics::Pose;
 use crate::plugin::budget::Keeper;
 use crate::plugin::state::usable;
@@ -34,7 +34,7 @@ pub(in crate::plugin) struct Track {
 
 struct Scaled {
     shape: SharedShape,
-    scale: Vec3,
+    size: Size,
     /// Around the shape, in its own frame.
     bounds: Bounds,
 }
@@ -99,15 +99,19 @@ impl Track {
     fn follow(&mut self, collider: &Ref<ClothCollider>, transform: &GlobalTransform) -> Result<(), ClothColliderError> {
         collider.validate()?;
         let affine = usable(transform).map_err(|_| ClothColliderError::Transform)?;
-        let (scale, rotation, translation) = affine.to_scale_rotation_translation();
-        let resized = self.resize(collider, scale.as_vec3())?;
+        let (scale, mut rotation, translation) = affine.to_scale_rotation_translation();
+        let mut size = Size::Scaled(scale.as_vec3());
+        if let Some(sheared) = Sheared::of(affine.matrix3) {
+            (rotation, size) = (sheared.rotation, Size::Sheared(sheared.stretch));
+        }
+        let resized = self.resize(collider, size)?;
         self.move_to(Pose { translation, rotation: rotation.normalize() }, collider.teleport_distance.into(), resized);
         Ok(())
     }
 
-    /// Takes over another shape or scale; says whether it was another.
-    fn resize(&mut self, collider: &Ref<ClothCollider>, scale: Vec3) -> Result<bool, ClothColliderError> {
-        let same = |old: &Scaled| (old.scale - scale).abs().cmple(1e-4 * scale.abs()).all();
+    /// Takes over another shape or size; says whether it was another.
+    fn resize(&mut self, collider: &Ref<ClothCollider>, size: Size) -> Result<bool, ClothColliderError> {
+        let same = |old: &Scaled| old.size.is_about(&size);
         if !collider.is_changed() && self.sized.as_ref().is_some_and(same) {
             return Ok(false);
         }
@@ -116,10 +120,9 @@ impl Track {
         let bounds =
             |shape: &SharedShape| Bounds::of_shape(&shape.compute_local_aabb()).ok_or(ClothColliderError::Shape);
         bounds(shape)?;
-        let shape = scaled(shape, scale)
-            .ok_or_else(|| ClothColliderError::Scale { shape: format!("{:?}", shape.shape_type()), scale })?;
+        let shape = size.of(shape)?;
         let bounds = bounds(&shape)?;
-        self.sized = Some(Scaled { shape, scale, bounds });
+        self.sized = Some(Scaled { shape, size, bounds });
         for moment in &mut self.moments {
             moment.bounds = bounds.at(&moment.pose);
         }
