@@ -203,7 +203,12 @@ fn nearest_of_union(compound: &Compound, p: DVec3, within: f64) -> Nearest {
         let (pose, shape) = &compound.shapes()[part as usize];
         let rotation: DQuat = pose.rotation.as_dquat().normalize();
         let local = rotation.inverse() * (p - pose.translation.as_dvec3());
-        let found = Surface::new(shape).nearest(local, within);
+        // Behind an open part there may be another: it has no inside then.
+        let surface = match Surface::new(shape) {
+            Surface::Sheet(_) => Surface::Shell(&**shape),
+            other => other,
+        };
+        let found = surface.nearest(local, within);
         if found.distance < nearest.distance {
             nearest = Nearest { normal: rotation * found.normal, ..found };
         }

@@ -15,7 +15,8 @@ pub enum ClothColliderKind {
     /// An open surface that keeps cloth on the side its triangles are seen counter-clockwise from: ground, a floor, a dome. Cloth that
     /// is behind it is free, and may come through from there.
     OneSided,
-    /// A surface without inside that keeps cloth on either side. Less steady than the others.
+    /// A surface without inside that keeps cloth on either side; an open mesh that is part of a compound is one. Less steady than the
+    /// others.
     TwoSided,
 }
 
@@ -40,9 +41,12 @@ fn of_shape(shape: &SharedShape) -> ClothColliderKind {
         TypedShape::TriMesh(mesh) if is_sheet(mesh) => ClothColliderKind::OneSided,
         TypedShape::Triangle(_) | TypedShape::Segment(_) | TypedShape::Polyline(_) => ClothColliderKind::TwoSided,
         TypedShape::Compound(compound) => {
-            let mut parts = compound.shapes().iter().map(|(_, part)| of_shape(part));
-            let first = parts.next().unwrap_or(ClothColliderKind::Solid);
-            if parts.all(|kind| kind == first) { first } else { ClothColliderKind::Solid }
+            let two_sided = |part| of_shape(part) != ClothColliderKind::Solid;
+            if compound.shapes().iter().all(|(_, part)| two_sided(part)) {
+                ClothColliderKind::TwoSided
+            } else {
+                ClothColliderKind::Solid
+            }
         }
         _ => ClothColliderKind::Solid,
     }

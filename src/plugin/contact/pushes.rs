@@ -10,7 +10,7 @@ use bevy::prelude::*;
 
 use crate::physics::{Cloth, StepOutcome};
 use crate::plugin::state::ClothState;
-use crate::plugin::{ClothSystems, budget};
+use crate::plugin::{ClothSystems, budget, step};
 
 /// On a dynamic rigid body of Avian: cloth that touches its colliders pushes it.
 ///
@@ -62,7 +62,7 @@ pub(in crate::plugin) fn plugin(app: &mut App, schedule: InternedScheduleLabel) 
     app.register_type::<ClothPushes>().init_resource::<Before>().add_systems(
         schedule,
         (
-            remember.in_set(ClothSystems::Collect),
+            remember.before(step::step).in_set(ClothSystems::Step),
             push.after(super::tell).after(budget::observe).in_set(ClothSystems::Step),
         )
             .run_if(any_with_component::<ClothPushes>),
