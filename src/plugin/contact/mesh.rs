@@ -80,11 +80,12 @@ pub(in crate::plugin) fn shape_meshes(
     for (name, description, mesh, built, skinned, geometry_before, shown) in &wanted {
         let waits = !built && shown.is_none();
         let edited = description.is_changed()
-            || mesh.as_ref().is_none_or(|mesh| mesh.is_changed())
+            || mesh.is_none()
             || skinned != (shown == Some(&ClothColliderError::Skinned))
             // It may have been loaded after all.
             || (!built && mesh.as_ref().is_some_and(|mesh| meshes.contains(&mesh.0)) && is_of_loading(shown));
-        let written = mesh.as_ref().is_some_and(|mesh| modified.contains(&mesh.id()));
+        // Bevy marks the handle as changed, too, where only the asset was.
+        let written = mesh.as_ref().is_some_and(|mesh| mesh.is_changed() || modified.contains(&mesh.id()));
         if !(waits || edited || written) {
             continue;
         }
