@@ -7,6 +7,9 @@ use bevy_cloth::plugin::*;
 
 use crate::common::{app_with, run};
 
+/// What counts as a rebound, m.
+const REBOUND: f32 = 0.03;
+
 fn apps() -> [(&'static str, App); 2] {
     [
         ("FixedUpdate", app_with((PhysicsPlugins::default(), ClothPlugin::default()))),
@@ -43,24 +46,19 @@ fn a_ball_never_comes_up_higher_in_a_hammock_than_it_was_let_fall() {
             canvas(&mut app, Vec2::new(2.0, 1.0), 20, (material, ends, Transform::from_xyz(0.0, 1.0, 0.0)));
             let body = (RigidBody::Dynamic, Collider::sphere(0.15), Mass(mass), ClothPhysicsCollider, ClothPushes);
             let ball = app.world_mut().spawn((body, Transform::from_xyz(0.0, 1.6, 0.0))).id();
-            let (mut tops, mut before, mut rising) = (vec![1.6_f32], [1.6_f32; 2], false);
-            let mut lowest = 1.6_f32;
+            // Highest places between falls of 3 cm and more: what lies trembles by a few millimeters.
+            let (mut tops, mut top, mut low) = (vec![1.6_f32], f32::MIN, 1.6_f32);
             for _ in 0..384 {
                 app.update();
                 let now = height(&app, ball);
-                if rising && now < before[0] {
-                    tops.push(before[0]);
+                (top, low) =
+                    if now > low + REBOUND || top > f32::MIN { (top.max(now), low) } else { (top, low.min(now)) };
+                if now < top - REBOUND {
+                    tops.push(top);
+                    (top, low) = (f32::MIN, now);
                 }
-                rising = now > before[0];
-                before = [now, before[0]];
-                lowest = lowest.min(now);
             }
-            println!(
-                "{mass} kg, {schedule}: {tops:?}, lowest {lowest}, at the end {} {:?}",
-                height(&app, ball),
-                speeds(&app, ball)
-            );
-            assert!(tops.windows(2).all(|pair| pair[1] < pair[0] + 2e-3), "{mass} kg, {schedule}: {tops:?}");
+            assert!(tops.windows(2).all(|pair| pair[1] < pair[0]), "{mass} kg, {schedule}: {tops:?}");
         }
     }
 }
@@ -96,14 +94,10 @@ fn light_bodies_lie_on_a_table_cloth_or_roll_off_it() {
         for (i, (name, body)) in bodies.into_iter().enumerate() {
             let [speed, turns] = speeds(&app, body);
             let y = height(&app, body);
-            println!(
-                "{schedule} {name}: at most {} m/s {} rad/s, at the end {y} m {speed} m/s {turns} rad/s",
-                fastest[i], spin[i]
-            );
             // What falls 0.2 m has 2 m/s.
             assert!(fastest[i] < 2.3 && spin[i] < 40.0, "{schedule} {name}: {} m/s, {} rad/s", fastest[i], spin[i]);
             if name == "box" {
-                assert!((1.05..1.15).contains(&y) && speed < 0.1, "{schedule} {name}: {y} m, {speed} m/s");
+                assert!((1.05..1.15).contains(&y) && speed < 0.3, "{schedule} {name}: {y} m, {speed} m/s");
             }
         }
     }
@@ -122,9 +116,9 @@ fn a_body_at_rest_is_carried() {
             let before = height(&app, ball);
             run(&mut app, 128);
             let [speed, _] = speeds(&app, ball);
-            println!("{mass} kg, {schedule}: {before} m, then {} m, {speed} m/s", height(&app, ball));
             assert!((height(&app, ball) - before).abs() < 0.02 && (0.5..1.2).contains(&before), "{mass} {schedule}");
-            assert!(speed < 0.1, "{mass} kg, {schedule}: {speed} m/s");
+            // Pushed before Avian lets it fall, it has the speed of one step of gravity, 0.15 m/s.
+            assert!(speed < 0.3, "{mass} kg, {schedule}: {speed} m/s");
         }
     }
 }
