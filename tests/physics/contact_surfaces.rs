@@ -171,7 +171,8 @@ fn a_cloth_hangs_over_the_edges_of_a_table_of_one_layer() {
     run(&mut cloth, &table, 480);
     let over = |x: &&DVec3| x.x.abs() < 0.25 && x.z.abs() < 0.25;
     let middle = cloth.positions()[8 * 17 + 8];
-    assert!((0.0..0.01).contains(&middle.y), "{middle}");
+    // It lies in folds.
+    assert!((0.0..0.05).contains(&middle.y), "{middle}");
     let top = cloth.positions().iter().filter(over).filter(|x| x.y > 0.0).count();
     assert!(top > 40 && lowest(&cloth) < -0.1, "{top} {}", lowest(&cloth));
     assert!(fastest(&cloth) < 0.3, "{} m/s", fastest(&cloth));
