@@ -57,7 +57,7 @@ pub mod prelude {
     #[cfg(feature = "avian3d")]
     pub use crate::plugin::ClothPushes;
     pub use crate::plugin::{
-        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothCollidesWith,
+        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothColliderKind, ClothCollidesWith,
         ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
         ClothGravity, ClothId, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
         ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothRestore, ClothShape,

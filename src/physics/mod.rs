@@ -16,7 +16,7 @@ pub use cloth::{
     Cloth, ClothFault, Energy, Integrator, Precision, Quality, SettingsError, Snapshot, SnapshotError, SolverSettings,
     StepOutcome, StepReport, Stretch, Watch,
 };
-pub use contact::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
+pub use contact::{Collider, ColliderError, Contact, ContactSettings, ContactSettingsError, Pose};
 pub use material::{Fabric, MaterialError};
 pub use mesh::{BendingModel, MeshError, RestShape, RestShapeOptions, SurfaceMesh};
 pub use solve::{PreconditionerKind, SolverKind};

@@ -109,10 +109,7 @@ impl ClothState {
     fn collect_contact(&mut self, contact: Option<&ClothContact>) {
         let settings = contact.map_or_else(ContactSettings::default, |&contact| contact.into());
         if settings != self.cloth.contact_settings() || self.faults.contact.is_some() {
-            self.faults.contact = settings.validate().err().map(Into::into);
-            if self.faults.contact.is_none() {
-                self.cloth.set_contact_settings(settings);
-            }
+            self.faults.contact = self.cloth.set_contact_settings(settings).err().map(Into::into);
         }
     }
 

@@ -103,8 +103,8 @@ pub use contact::ClothPhysicsCollider;
 #[cfg(feature = "avian3d")]
 pub use contact::ClothPushes;
 pub use contact::{
-    ClothCollider, ClothColliderError, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers, ClothMeshCollider,
-    ClothMeshShape, ClothShape, ClothShapeError, ClothShapePart, ClothTouch,
+    ClothCollider, ClothColliderError, ClothColliderKind, ClothCollidesWith, ClothContact, ClothContacts, ClothLayers,
+    ClothMeshCollider, ClothMeshShape, ClothShape, ClothShapeError, ClothShapePart, ClothTouch,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebugPlugin, ClothGizmos};
@@ -303,7 +303,10 @@ impl Plugin for ClothPlugin {
         #[cfg(any(feature = "avian3d", feature = "rapier3d"))]
         app.add_observer(contact::end_mark).register_type::<ClothPhysicsCollider>();
         #[cfg(feature = "avian3d")]
-        contact::avian::plugin(app, self.schedule);
+        {
+            contact::avian::plugin(app, self.schedule);
+            contact::pushes::plugin(app, self.schedule);
+        }
         #[cfg(feature = "rapier3d")]
         contact::rapier::plugin(app, self.schedule);
     }

@@ -12,7 +12,7 @@ use bevy::math::{DAffine3, DVec3};
 use bevy::prelude::*;
 use parry3d::shape::SharedShape;
 
-use super::contact::{ClothCollider, Met};
+use super::contact::{ClothCollider, Met, placed};
 use super::state::{ClothState, ShownFrom, usable};
 use crate::physics::Pose;
 use crate::physics::contact::distance;
@@ -85,9 +85,7 @@ impl ClothState {
         // A difference of rigid motions is largest at some corner.
         let corners = [low, DVec3::new(high.x, low.y, low.z), DVec3::new(low.x, high.y, low.z), high];
         let obstacle = |(index, met): (usize, &Met)| {
-            let (_, rotation, translation) =
-                usable(colliders.get(met.entity).ok()?).ok()?.to_scale_rotation_translation();
-            let drawn = Pose { translation, rotation: rotation.normalize() };
+            let (drawn, _) = placed(&usable(colliders.get(met.entity).ok()?).ok()?);
             let simulated = met.start.towards(&met.end, alpha.into());
             let off = |p: DVec3| carried.transform_point3(p).distance(drawn.place(simulated.local(p)));
             corners.into_iter().any(|p| off(p) > STILL).then_some(Obstacle { index, simulated, drawn })

@@ -47,7 +47,7 @@ impl ClothState {
         let representatives = representatives(&shape);
         let mut cloth = Cloth::new(shape, *old.fabric(), *old.settings())?;
         cloth.set_gravity(old.gravity());
-        cloth.set_contact_settings(old.contact_settings());
+        cloth.set_contact_settings(old.contact_settings())?;
         self.cloth = cloth;
         binding.representatives = representatives;
         binding.rest_linear = anchor.matrix3;

@@ -46,7 +46,7 @@ fn contact_goes_on_where_cloth_and_collider_are_carried() {
     let moved = Pose { translation: map.transform_point3(at.translation), rotation: turn * at.rotation };
     let start = || {
         let mut cloth = swinging(SolverSettings::reference(), Fabric::cotton());
-        cloth.set_colliders([Collider::fixed(7, SharedShape::ball(0.3), at, 0.5)]);
+        cloth.set_colliders([Collider::fixed(7, SharedShape::ball(0.3), at, 0.5)]).unwrap();
         for _ in 0..3 {
             cloth.step(DT);
         }
@@ -55,7 +55,7 @@ fn contact_goes_on_where_cloth_and_collider_are_carried() {
     };
     let (mut here, mut there) = (start(), start());
     there.carry(map);
-    there.set_colliders([Collider::fixed(7, SharedShape::ball(0.3), moved, 0.5)]);
+    there.set_colliders([Collider::fixed(7, SharedShape::ball(0.3), moved, 0.5)]).unwrap();
     for step in 0..10 {
         here.step(DT);
         there.step(DT);

@@ -19,7 +19,7 @@ fn sheet(n: usize, side: f64, centre: DVec3) -> Cloth {
 }
 
 fn step(cloth: &mut Cloth, colliders: &[Collider]) -> u32 {
-    cloth.set_colliders(colliders.iter().cloned());
+    cloth.set_colliders(colliders.iter().cloned()).unwrap();
     let report = cloth.step(DT);
     assert_eq!(report.outcome, StepOutcome::Accepted);
     report.substeps
@@ -140,7 +140,7 @@ fn a_watched_step_is_the_same_and_tells_of_its_pieces() {
     let ball = Collider { end: ways[1], ..Collider::fixed(1, SharedShape::ball(0.1), ways[0], 0.5) };
     let (mut watched, mut other) = (sheet(9, 0.4, DVec3::ZERO), sheet(9, 0.4, DVec3::ZERO));
     let mut told = Vec::new();
-    watched.set_colliders([ball.clone()]);
+    watched.set_colliders([ball.clone()]).unwrap();
     let report = watched.step_watched(DT, Some(&mut |share, x| told.push((share, x[40].y))));
     assert_eq!(step(&mut other, &[ball]), report.substeps);
     assert_eq!(watched.positions(), other.positions());
@@ -170,7 +170,7 @@ fn a_strip_slides_off_a_rod_towards_its_longer_side() {
     cloth.set_state(&positions, &vec![DVec3::ZERO; positions.len()]);
     let mut contact = cloth.contact_settings();
     contact.friction = 0.3;
-    cloth.set_contact_settings(contact);
+    cloth.set_contact_settings(contact).unwrap();
     let rod = Collider::fixed(1, SharedShape::capsule_z(0.5, radius as f32), Pose::IDENTITY, 0.3);
     let lowest = |cloth: &Cloth| cloth.positions().iter().map(|x| x.y).fold(f64::MAX, f64::min);
     let start = lowest(&cloth);

@@ -6,6 +6,8 @@ mod bending;
 mod carry;
 mod contact;
 mod contact_between;
+mod contact_repairs;
+mod contact_surfaces;
 mod derivatives;
 mod determinism;
 mod extremes;

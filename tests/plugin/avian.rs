@@ -103,3 +103,54 @@ fn what_the_cloth_gains_the_body_loses() {
     let [before, after] = momentum_of_a_hit(false);
     assert!(after < 1.1 * before, "without the component, the body is not slowed down: {after} N s");
 }
+
+/// Avian makes meshes of triangles without saying which side is outside.
+#[test]
+fn a_mesh_is_solid_or_one_sided_as_that_of_cloth_would_be() {
+    let mut app = app();
+    let ball: Mesh = Sphere::new(0.3).mesh().uv(16, 8);
+    let floor = Plane3d::default().mesh().size(2.0, 2.0).build();
+    for (mesh, kind) in [(ball, ClothColliderKind::Solid), (floor, ClothColliderKind::OneSided)] {
+        let ours = ClothCollider::from_mesh(&mesh).expect("a mesh of triangles");
+        let mesh = ours.shape().as_trimesh().expect("a mesh of triangles");
+        let (vertices, triangles) = (mesh.vertices().to_vec(), mesh.indices().to_vec());
+        // As `trimesh_from_mesh` does.
+        let collider = Collider::trimesh_with_config(vertices, triangles, TrimeshFlags::MERGE_DUPLICATE_VERTICES);
+        let entity = app.world_mut().spawn((RigidBody::Static, collider, ClothPhysicsCollider, NEAR)).id();
+        run(&mut app, 2);
+        assert_eq!(app.world().get::<ClothCollider>(entity).expect("a collider").kind(), kind);
+        let changed = |app: &App| app.world().entity(entity).get_ref::<ClothCollider>().unwrap().last_changed();
+        let before = changed(&app);
+        run(&mut app, 3);
+        assert_eq!(changed(&app), before, "built once");
+    }
+}
+
+#[test]
+fn sensors_and_what_is_disabled_are_not_solid() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(), ClothPins::indices([0]));
+    let body = app.world_mut().spawn((RigidBody::Static, Transform::default())).id();
+    let mark = (ClothPhysicsCollider, Collider::sphere(0.2), NEAR, ChildOf(body));
+    let ball = app.world_mut().spawn(mark).id();
+    run(&mut app, 2);
+    app.world_mut().get_mut::<ClothCollider>(ball).expect("a collider").teleport_distance = 0.7;
+    let given = |app: &mut App| {
+        run(app, 2);
+        given_in_last_step(app, cloth)
+    };
+    assert_eq!(given(&mut app), [ball]);
+    app.world_mut().entity_mut(ball).insert(Sensor);
+    assert!(given(&mut app).is_empty());
+    app.world_mut().entity_mut(ball).remove::<Sensor>();
+    assert_eq!(given(&mut app), [ball]);
+    app.world_mut().entity_mut(ball).insert(ColliderDisabled);
+    assert!(given(&mut app).is_empty());
+    app.world_mut().entity_mut(ball).remove::<ColliderDisabled>();
+    assert_eq!(given(&mut app), [ball]);
+    app.world_mut().entity_mut(body).insert(RigidBodyDisabled);
+    assert!(given(&mut app).is_empty());
+    app.world_mut().entity_mut(body).remove::<RigidBodyDisabled>();
+    assert_eq!(given(&mut app), [ball]);
+    assert_eq!(app.world().get::<ClothCollider>(ball).unwrap().teleport_distance, 0.7);
+}

@@ -209,3 +209,16 @@ fn touches_are_told_to_who_asks() {
     }
     assert!(!app.world().get::<ClothContacts>(cloth).unwrap().is_empty());
 }
+
+/// The physics keeps coarse cloth further off what is round than the plugin looked.
+#[test]
+fn a_collider_is_given_from_as_far_as_the_physics_reaches() {
+    let mut app = app_with_notes();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let cloth = spawn(&mut app, sheet(), ClothPins::indices(0..COUNT));
+    let gap = 3.5 * ClothContact::default().thickness;
+    let ball = ball(&mut app, Transform::from_xyz(0.5, -0.5, 0.2 + gap));
+    run(&mut app, 2);
+    // It has to be stepped, and all of it is held: what it was given is told by its physics.
+    assert_eq!(state(&app, cloth).cloth().colliders().iter().map(|c| c.id).collect::<Vec<_>>(), [ball.to_bits()]);
+}

@@ -3,6 +3,7 @@
 use crate::common::*;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::PrimitiveTopology;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_cloth::parry3d::shape::ShapeType;
 use bevy_cloth::plugin::*;
@@ -133,4 +134,42 @@ fn no_mesh_is_told_too() {
     app.world_mut().entity_mut(collider).remove::<ClothMeshCollider>();
     run(&mut app, 1);
     assert!(collider_error(&app, collider).is_none());
+}
+
+/// Something else writes colors into the mesh in every frame.
+#[test]
+fn only_other_positions_or_triangles_build_it_again() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, block(1.0));
+    let collider = spawn_collider(&mut app, mesh.clone(), default());
+    let changed = |app: &App| app.world().entity(collider).get_ref::<ClothCollider>().unwrap().last_changed();
+    run(&mut app, 2);
+    let before = changed(&app);
+    for shade in 0..5 {
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        let colors = vec![[0.1 * shade as f32; 4]; 24];
+        meshes.get_mut(&mesh).unwrap().insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
+        run(&mut app, 1);
+    }
+    run(&mut app, 2);
+    assert_eq!(changed(&app), before);
+    *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&mesh).unwrap() = block(1.5);
+    run(&mut app, 2);
+    assert_eq!(extent(&app, collider), Some(1.5));
+}
+
+#[test]
+fn a_skinned_mesh_is_refused_until_it_is_none() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, block(1.0));
+    let collider = app.world_mut().spawn((Mesh3d(mesh), ClothMeshCollider::default(), SkinnedMesh::default())).id();
+    for _ in 0..2 {
+        run(&mut app, 2);
+        assert_eq!(collider_error(&app, collider), Some(&ClothColliderError::Skinned));
+        assert!(extent(&app, collider).is_none());
+        app.world_mut().entity_mut(collider).remove::<SkinnedMesh>();
+        run(&mut app, 2);
+        assert!(collider_error(&app, collider).is_none() && extent(&app, collider).is_some());
+        app.world_mut().entity_mut(collider).insert(SkinnedMesh::default());
+    }
 }

@@ -8,6 +8,7 @@ mod contact;
 mod contact_choice;
 mod contact_errors;
 mod contact_mesh;
+mod contact_shear;
 mod copies;
 mod debug;
 mod determinism;
@@ -20,6 +21,8 @@ mod motion;
 mod order;
 mod picture;
 mod pins;
+#[cfg(feature = "avian3d")]
+mod pushes;
 mod quality;
 #[cfg(feature = "rapier3d")]
 mod rapier;

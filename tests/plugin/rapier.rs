@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_cloth::parry3d::shape::ShapeType;
 use bevy_cloth::plugin::*;
-use bevy_rapier3d::geometry::{Collider, Friction};
+use bevy_rapier3d::dynamics::{RigidBody, RigidBodyDisabled};
+use bevy_rapier3d::geometry::{Collider, ColliderDisabled, Friction, Sensor};
 
 use crate::common::{
     app_with_notes, collider_error, given_in_last_step, id, run, set_transform, sheet, spawn, take_given,
@@ -68,4 +69,41 @@ fn shapes_become_the_same_or_are_refused() {
     app.world_mut().entity_mut(entity).insert(Collider::ball(0.2));
     run(&mut app, 2);
     assert!(collider_error(&app, entity).is_none());
+}
+
+#[test]
+fn sensors_and_what_is_disabled_are_not_solid() {
+    let mut app = app_with_notes();
+    let cloth = spawn(&mut app, sheet(), ClothPins::indices([0]));
+    let body = app.world_mut().spawn((RigidBody::Fixed, Transform::default())).id();
+    let ball = app.world_mut().spawn((ClothPhysicsCollider, Collider::ball(0.2), NEAR, ChildOf(body))).id();
+    let given = |app: &mut App| {
+        run(app, 2);
+        given_in_last_step(app, cloth)
+    };
+    assert_eq!(given(&mut app), [ball]);
+    app.world_mut().entity_mut(ball).insert(Sensor);
+    assert!(given(&mut app).is_empty());
+    app.world_mut().entity_mut(ball).remove::<Sensor>();
+    assert_eq!(given(&mut app), [ball]);
+    app.world_mut().entity_mut(ball).insert(ColliderDisabled);
+    assert!(given(&mut app).is_empty());
+    app.world_mut().entity_mut(ball).remove::<ColliderDisabled>();
+    assert_eq!(given(&mut app), [ball]);
+    app.world_mut().entity_mut(body).insert(RigidBodyDisabled);
+    assert!(given(&mut app).is_empty());
+    app.world_mut().entity_mut(body).remove::<RigidBodyDisabled>();
+    assert_eq!(given(&mut app), [ball]);
+}
+
+#[test]
+fn ground_is_solid_from_above() {
+    let mut app = app_with_notes();
+    let mark = (NEAR, ClothPhysicsCollider, Collider::heightfield(vec![0.0; 4], 2, 2, Vec3::ONE));
+    let ground = app.world_mut().spawn(mark).id();
+    run(&mut app, 2);
+    let collider = app.world().get::<ClothCollider>(ground).expect("a collider");
+    assert_eq!(collider.kind(), ClothColliderKind::OneSided);
+    let mesh = collider.shape().as_trimesh().expect("a mesh");
+    assert!(mesh.triangles().all(|triangle| triangle.normal().expect("a triangle").y > 0.99));
 }

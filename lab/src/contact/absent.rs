@@ -28,7 +28,7 @@ fn scene(n: u32, colliders: u32) -> Cloth {
         let pose = Pose::at(place(i) + DVec3::new(20.0, 0.0, 0.0));
         Collider::fixed(i.into(), Solid::Ball { radius: 0.3 }.shape(), pose, 0.5)
     };
-    cloth.set_colliders((0..colliders).map(ball));
+    cloth.set_colliders((0..colliders).map(ball)).expect("colliders");
     cloth
 }
 

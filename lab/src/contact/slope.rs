@@ -35,7 +35,7 @@ pub fn board() -> Fabric {
 /// A sheet of 0.2 m with its middle above the origin, so much above it that it just does not feel it.
 pub fn small_sheet(friction: f64) -> Cloth {
     let mut cloth = Strip::new(0.2, 0.2, 7, 7).cloth(board(), SolverSettings::default());
-    cloth.set_contact_settings(ContactSettings { friction, ..Default::default() });
+    cloth.set_contact_settings(ContactSettings { friction, ..Default::default() }).expect("settings");
     let height = cloth.contact_settings().thickness + GAP;
     place(&mut cloth, |x| x + DVec3::new(-0.1, height, -0.1));
     cloth

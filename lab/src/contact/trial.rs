@@ -112,7 +112,7 @@ impl Trial {
     /// Takes a step by a function that may say where the vertices are after shares of it.
     fn take(&mut self, step: impl FnOnce(&mut Cloth, f64, &mut Vec<(f64, Vec<DVec3>)>) -> StepReport) {
         let span = [self.time, self.time + self.dt];
-        self.cloth.set_colliders((0..).zip(&self.bodies).map(|(id, body)| body.collider(id, span)));
+        self.cloth.set_colliders((0..).zip(&self.bodies).map(|(id, body)| body.collider(id, span))).expect("colliders");
         let mut ways = vec![(0.0, self.cloth.positions().to_vec())];
         let report = step(&mut self.cloth, self.dt, &mut ways);
         ways.push((1.0, self.cloth.positions().to_vec()));

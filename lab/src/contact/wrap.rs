@@ -51,7 +51,7 @@ impl Wrap {
         let width = f64::from(across) * self.edge;
         let strip = Strip::new(f64::from(along) * self.edge, width, along, across);
         let mut cloth = strip.cloth(fabric, SolverSettings::default());
-        cloth.set_contact_settings(ContactSettings { friction, ..Default::default() });
+        cloth.set_contact_settings(ContactSettings { friction, ..Default::default() }).expect("settings");
         place(&mut cloth, |x| self.at(x.x / self.edge) + DVec3::Z * (x.z - 0.5 * width));
         cloth
     }

@@ -127,7 +127,7 @@ impl Stage {
         for &vertex in &self.held {
             cloth.pin(vertex, self.shape.positions[vertex as usize]);
         }
-        cloth.set_colliders(self.scene.collider());
+        cloth.set_colliders(self.scene.collider()).expect("colliders");
         cloth
     }
 

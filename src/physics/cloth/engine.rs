@@ -7,7 +7,7 @@ use super::pins::Pins;
 use super::snapshot::Remembered;
 use super::{ClothFault, Precision, SolverSettings, State, StepReport};
 use crate::physics::assembly::{ElasticEnergy, Ordering};
-use crate::physics::contact::{Collider, Contact, Surroundings};
+use crate::physics::contact::{Contact, Surroundings};
 use crate::physics::material::Fabric;
 use crate::physics::mesh::RestShape;
 
@@ -42,8 +42,8 @@ pub(super) trait Engine: Send + Sync {
     fn map(&mut self, map: DAffine3, state: &State, pins: &Pins);
     /// Changes settings that [`SolverSettings::same_engine`] allows.
     fn set_settings(&mut self, settings: &SolverSettings);
-    /// Contacts of the last step, with vertices as the engine numbers them.
-    fn contacts(&self, colliders: &[Collider]) -> Vec<Contact>;
+    /// Contacts of the last step, which led to these positions, with vertices as the engine numbers them.
+    fn contacts(&self, positions: &[DVec3]) -> Vec<Contact>;
     /// Maps earlier states as the present one was, which is now at `x`.
     fn carry(&mut self, map: DAffine3, x: &[DVec3]);
     /// Changes the velocities of earlier states as those of the present one were.

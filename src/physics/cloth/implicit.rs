@@ -11,7 +11,7 @@ use super::touching::{Impact, contact_layer, longest_side};
 use super::{ClothFault, SolverSettings, State, StepReport, rigid};
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::{Constraints, ElasticEnergy, ImplicitStep, Ordering, System};
-use crate::physics::contact::{Collider, Contact, ContactLayer};
+use crate::physics::contact::{Contact, ContactLayer};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Padded, Scalar};
 use crate::physics::mesh::RestShape;
@@ -321,8 +321,8 @@ impl<T: Scalar> Engine for Implicit<T> {
         self.settings = *settings;
     }
 
-    fn contacts(&self, colliders: &[Collider]) -> Vec<Contact> {
-        self.contact.show(&self.history.state.positions, colliders)
+    fn contacts(&self, positions: &[DVec3]) -> Vec<Contact> {
+        self.contact.show(positions)
     }
 
     fn carry(&mut self, map: DAffine3, x: &[DVec3]) {

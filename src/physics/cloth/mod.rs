@@ -1,5 +1,6 @@
 //! A cloth in motion: rest shape, fabric, state, and the step that advances it.
 
+mod colliding;
 mod engine;
 mod implicit;
 mod integrator;
@@ -31,7 +32,7 @@ pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;
-use crate::physics::contact::{Collider, Contact, ContactSettings, Surroundings, merged};
+use crate::physics::contact::{Collider, Contact, ContactSettings, Surroundings};
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
 
@@ -76,6 +77,8 @@ pub struct Cloth {
     /// All masses together, kg.
     mass: f64,
     state: State,
+    /// Where a step of several substeps began: it stays there if one of them fails.
+    before: State,
     pins: Pins,
     colliders: Vec<Collider>,
     contact_settings: ContactSettings,
@@ -112,6 +115,7 @@ impl Cloth {
             engine,
             inner_masses: in_order(&ordering, &masses),
             mass: masses.iter().sum(),
+            before: State { positions: Vec::new(), velocities: Vec::new() },
             state,
             pins: Pins::new(count),
             colliders: Vec::new(),
@@ -273,37 +277,6 @@ impl Cloth {
         vertices.filter_map(|vertex| self.pin_target(vertex).map(|target| (vertex, target)))
     }
 
-    /// Sets all colliders that the cloth may touch in the next step, each with its way through it. In the steps after that they stand
-    /// still where they ended, until they are set again. Those without finite poses are left out.
-    pub fn set_colliders(&mut self, colliders: impl IntoIterator<Item = Collider>) {
-        self.colliders.clear();
-        self.colliders.extend(colliders.into_iter().filter(|c| c.start.is_finite() && c.end.is_finite()));
-    }
-
-    /// The colliders, as they will be in the next step.
-    pub fn colliders(&self) -> &[Collider] {
-        &self.colliders
-    }
-
-    /// How the cloth meets colliders.
-    pub fn contact_settings(&self) -> ContactSettings {
-        self.contact_settings
-    }
-
-    /// Changes how the cloth meets colliders. `settings` should pass [`ContactSettings::validate`].
-    pub fn set_contact_settings(&mut self, settings: ContactSettings) {
-        self.contact_settings = settings;
-    }
-
-    /// Where the cloth touched colliders in the last step. Forces are means over the step: times its length they are impulses.
-    pub fn contacts(&self) -> impl Iterator<Item = Contact> {
-        let last = self.engine.contacts(&self.colliders).into_iter().map(|contact| contact.scaled(self.last_share));
-        merged(last.chain(self.earlier_contacts.iter().copied())).into_iter().map(|contact| Contact {
-            vertices: contact.vertices.map(|vertex| self.ordering.outer[vertex as usize]),
-            ..contact
-        })
-    }
-
     /// Advances by `dt` seconds; 0 does nothing.
     ///
     /// Never panics: a step that cannot be taken leaves the cloth where it is, at rest, and says so in the report.
@@ -320,7 +293,9 @@ impl Cloth {
             && let Err(fault) = self.try_step(dt, watch, &mut report)
         {
             self.state.velocities.fill(DVec3::ZERO);
+            self.earlier_contacts.clear();
             self.engine.restart();
+            self.engine.settle(&self.state.positions);
             report.outcome = StepOutcome::Rejected(fault);
         }
         self.show();
@@ -332,19 +307,23 @@ impl Cloth {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(ClothFault::TimeStep);
         }
-        let Self { ordering, gravity, inner_masses, mass, state, pins, colliders, engine, earlier_contacts, .. } = self;
+        let Self { ordering, gravity, inner_masses, mass, state, before, pins, colliders, .. } = self;
+        let Self { engine, earlier_contacts, .. } = self;
         earlier_contacts.clear();
         let settings = self.contact_settings;
         // Drag is proportional to mass, as gravity is: −α m (v − w).
         let gravity = *gravity + f64::from(self.fabric.air_drag) * self.wind;
         let around = |from, to| Surroundings { colliders, settings, from, to };
         let least = self.settings.substeps.max(1);
-        in_pool(ordering.part_starts.len(), || {
+        let taken = in_pool(ordering.part_starts.len(), || {
             let whole = engine::Step { dt, gravity, masses: inner_masses, mass: *mass, pins, around: around(0.0, 1.0) };
             let substeps = least.max(engine.pieces(whole, state));
             let share = |done| f64::from(done) / f64::from(substeps);
             self.last_share = share(1);
-            (1..=substeps).rev().try_for_each(|remaining| {
+            if substeps > 1 {
+                before.positions.clone_from(&state.positions);
+            }
+            let taken = (1..=substeps).rev().try_for_each(|remaining| {
                 pins.advance(&state.positions, remaining);
                 let done = substeps - remaining;
                 let around = around(share(done), share(done + 1));
@@ -357,16 +336,20 @@ impl Cloth {
                     watch(share(done + 1), &inner.map(|&vertex| state.positions[vertex as usize]).collect::<Vec<_>>());
                 }
                 if remaining > 1 && !colliders.is_empty() {
-                    let contacts = engine.contacts(colliders).into_iter();
+                    let contacts = engine.contacts(&state.positions).into_iter();
                     earlier_contacts.extend(contacts.map(|contact| contact.scaled(share(1))));
                 }
                 Ok::<_, ClothFault>(())
-            })
-        })?;
+            });
+            if taken.is_err() && substeps > 1 {
+                state.positions.clone_from(&before.positions);
+            }
+            taken
+        });
         for collider in &mut self.colliders {
             collider.start = collider.end;
         }
-        Ok(())
+        taken
     }
 
     /// Energy by term.

@@ -43,6 +43,7 @@ impl ContactLayer {
             vertices,
             weights,
             collider: index as u32,
+            id: collider.id,
             feature,
             normal: meeting.normal,
             offset: meeting.offset,

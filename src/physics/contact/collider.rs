@@ -5,6 +5,8 @@ use bevy::reflect::Reflect;
 use parry3d::shape::SharedShape;
 use thiserror::Error;
 
+use super::find::{LIFT, REACH};
+
 /// Where a collider is, and how it is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
@@ -67,6 +69,36 @@ impl Collider {
     pub fn fixed(id: u64, shape: SharedShape, pose: Pose, friction: f64) -> Self {
         Self { id, shape, start: pose, end: pose, friction }
     }
+
+    /// Checks poses and friction.
+    ///
+    /// # Errors
+    /// The first that cannot be used.
+    pub fn validate(&self) -> Result<(), ColliderError> {
+        if !(self.start.is_finite() && self.end.is_finite()) {
+            Err(ColliderError::Pose(self.id))
+        } else if !(self.friction.is_finite() && self.friction >= 0.0) {
+            Err(ColliderError::Friction { id: self.id, friction: self.friction })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// A collider that cannot be used.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum ColliderError {
+    /// A number of its poses is NaN or infinite.
+    #[error("the pose of collider {0} is not finite")]
+    Pose(u64),
+    /// Its friction is NaN, infinite or negative.
+    #[error("the friction of collider {id} is {friction}: it must be finite and not negative")]
+    Friction {
+        /// [`Collider::id`].
+        id: u64,
+        /// [`Collider::friction`].
+        friction: f64,
+    },
 }
 
 impl core::fmt::Debug for Collider {
@@ -110,6 +142,11 @@ pub enum ContactSettingsError {
 }
 
 impl ContactSettings {
+    /// A place that no collider comes nearer to than this in a step is left alone in it, m.
+    pub fn reach(&self) -> f64 {
+        (REACH + LIFT) * self.thickness
+    }
+
     /// Checks both.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use parry3d::shape::SharedShape;
 
 use super::features::{Features, of_shape};
 use super::find::{self, Found, Scene};
+use super::known::features_of;
 use super::layer::{ContactLayer, Moving, Surroundings};
 use super::meeting::Body;
 use super::touch::{SURFACE, Touch};
@@ -96,12 +97,12 @@ impl ContactLayer {
             let collider = &around.colliders[index];
             let body = Body::new(collider, around.from, around.to);
             let same = |features: &[(_, _)]| {
-                features.iter().position(|(s, _): &(SharedShape, Features)| Arc::ptr_eq(&s.0, &collider.shape.0))
+                features.iter().position(|(s, _): &(SharedShape, Arc<Features>)| Arc::ptr_eq(&s.0, &collider.shape.0))
             };
             let known = same(&self.features).unwrap_or_else(|| {
                 let its = match same(&before) {
                     Some(known) => before.swap_remove(known),
-                    None => (collider.shape.clone(), Features::new(&collider.shape)),
+                    None => (collider.shape.clone(), features_of(&collider.shape)),
                 };
                 self.features.push(its);
                 self.features.len() - 1
@@ -119,7 +120,7 @@ impl ContactLayer {
                     find::distinct(&mut found);
                 }
             }
-            for found in found.drain(..) {
+            for found in found.drain(..).filter(|found| !found.passes(&body, moving)) {
                 self.begin(found, index, &body, around, moving);
             }
         }
@@ -239,7 +240,8 @@ impl ContactLayer {
                     (touch.collider as usize, touch.feature, touch.vertices) == (index, found.feature, found.vertices)
                         && touch.is_active()
                 };
-                if found.meeting.normal.dot(x) > found.meeting.surface || self.touches.iter().any(held) {
+                let outside = found.meeting.normal.dot(x) > found.meeting.surface;
+                if outside || self.touches.iter().any(held) || found.passes(body, moving) {
                     continue;
                 }
                 self.begin(found, index, body, around, moving);

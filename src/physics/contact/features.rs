@@ -12,6 +12,8 @@ use parry3d::math::{Pose, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::shape::{SharedShape, TypedShape};
 
+use super::sheet;
+
 /// Sides of the polygon that stands for a round rim.
 const SIDES: u32 = 64;
 /// Angle between the normals of both faces, rad, below which there is no edge.
@@ -96,19 +98,27 @@ impl Features {
 }
 
 /// The features of a shape that has any, among those that are known.
-pub(super) fn of_shape<'a>(known: &'a [(SharedShape, Features)], shape: &SharedShape) -> Option<&'a Features> {
+pub(super) fn of_shape<'a>(known: &'a [(SharedShape, Arc<Features>)], shape: &SharedShape) -> Option<&'a Features> {
     let this = known.iter().find(|(known, _)| Arc::ptr_eq(&known.0, &shape.0));
-    this.map(|(_, features)| features).filter(|features| !features.is_empty())
+    this.map(|(_, features)| &**features).filter(|features| !features.is_empty())
 }
 
 fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f64) {
+    let sheet = matches!(shape.as_typed_shape(), TypedShape::TriMesh(mesh) if sheet::is_sheet(mesh));
     let mut soup = |(vertices, triangles): (Vec<Vector>, Vec<[u32; 3]>), radius: f32, solid: bool| {
-        if solid && !matches!(shape.as_typed_shape(), TypedShape::HeightField(_)) {
+        if solid && !sheet && !matches!(shape.as_typed_shape(), TypedShape::HeightField(_)) {
             let thinnest = shape.compute_local_aabb().half_extents().min_element();
             *core = core.min(thinnest.into());
         }
         let vertices: Vec<_> = vertices.into_iter().map(|v| (pose * v).as_dvec3()).collect();
-        of_triangles(&vertices, &triangles, radius.into(), solid, all);
+        let faces = if sheet {
+            Faces::Sheet
+        } else if solid {
+            Faces::Solid
+        } else {
+            Faces::Shell
+        };
+        of_triangles(&vertices, &triangles, radius.into(), faces, all);
     };
     match shape.as_typed_shape() {
         TypedShape::Ball(ball) => {
@@ -137,7 +147,8 @@ fn collect(shape: &SharedShape, pose: Pose, all: &mut Vec<Feature>, core: &mut f
             soup((vec![triangle.a, triangle.b, triangle.c], vec![[0, 1, 2]]), 0.0, false);
         }
         TypedShape::TriMesh(mesh) => {
-            soup((mesh.vertices().to_vec(), mesh.indices().to_vec()), 0.0, mesh.pseudo_normals().is_some());
+            let solid = mesh.pseudo_normals_if_oriented().is_some();
+            soup((mesh.vertices().to_vec(), mesh.indices().to_vec()), 0.0, solid);
         }
         TypedShape::HeightField(field) => {
             let (vertices, mut triangles) = field.to_trimesh();
@@ -163,12 +174,35 @@ fn round(ends: [DVec3; 2], radius: f64) -> Feature {
     Feature { ends, at_corners: [false; 2], radius, angle, away: Vec::new(), outwards: None }
 }
 
+/// What triangles are the faces of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Faces {
+    /// They face outwards.
+    Solid,
+    /// They face outwards, but for its rim.
+    Sheet,
+    /// Outside is on both sides.
+    Shell,
+}
+
 /// What lies beside an edge of a mesh: along each face, away from the edge, and the face's normal.
 #[derive(Default)]
 struct Sides(Vec<[DVec3; 2]>);
 
-/// Edges and corners of triangles, of which those of a solid face outwards.
-fn of_triangles(places: &[DVec3], triangles: &[[u32; 3]], radius: f64, solid: bool, all: &mut Vec<Feature>) {
+/// The edges that meet at a vertex.
+#[derive(Default)]
+struct Spokes {
+    /// Unit vectors along them, away from it.
+    along: Vec<DVec3>,
+    /// The largest of their angles, rad.
+    sharpest: f64,
+    /// Whether one of them is the rim of a sheet.
+    rim: bool,
+}
+
+/// Edges and corners of triangles.
+fn of_triangles(places: &[DVec3], triangles: &[[u32; 3]], radius: f64, faces: Faces, all: &mut Vec<Feature>) {
+    let solid = faces != Faces::Shell;
     // A mesh may have a vertex of its own for every face.
     let mut numbers = HashMap::new();
     let welded: Vec<u32> = (0..)
@@ -191,30 +225,32 @@ fn of_triangles(places: &[DVec3], triangles: &[[u32; 3]], radius: f64, solid: bo
     let mut sharp: Vec<_> =
         edges.into_iter().filter_map(|(edge, sides)| Some((edge, angle(&sides, solid)?, sides))).collect();
     sharp.sort_unstable_by_key(|&(edge, ..)| edge);
-    let mut spokes: HashMap<u32, (Vec<DVec3>, f64)> = HashMap::new();
+    let mut spokes: HashMap<u32, Spokes> = HashMap::new();
     let first = all.len();
     let mut numbers = Vec::new();
     for (edge, angle, Sides(sides)) in sharp {
         numbers.push(edge);
         let ends = edge.map(|vertex| places[vertex as usize]);
         let along = (ends[1] - ends[0]).normalize();
+        let rim = faces == Faces::Sheet && sides.len() == 1;
         for (end, spoke) in edge.into_iter().zip([along, -along]) {
-            let (spokes, sharpest) = spokes.entry(end).or_default();
-            spokes.push(spoke);
-            *sharpest = sharpest.max(angle);
+            let at = spokes.entry(end).or_default();
+            at.along.push(spoke);
+            at.sharpest = at.sharpest.max(angle);
+            at.rim |= rim;
         }
-        let outwards = solid.then(|| sides.iter().map(|side| side[1]).sum());
+        let outwards = (solid && !rim).then(|| sides.iter().map(|side| side[1]).sum());
         let away = sides.iter().map(|side| side[0]).collect();
         all.push(Feature { ends, at_corners: [false; 2], radius, angle, away, outwards });
     }
     for (feature, edge) in all[first..].iter_mut().zip(numbers) {
-        feature.at_corners = edge.map(|end| spokes[&end].0.len() > LINE);
+        feature.at_corners = edge.map(|end| spokes[&end].along.len() > LINE);
     }
-    let mut corners: Vec<_> = spokes.into_iter().filter(|(_, (spokes, _))| spokes.len() > LINE).collect();
+    let mut corners: Vec<_> = spokes.into_iter().filter(|(_, spokes)| spokes.along.len() > LINE).collect();
     corners.sort_unstable_by_key(|&(vertex, _)| vertex);
-    for (vertex, (away, angle)) in corners {
+    for (vertex, Spokes { along: away, sharpest: angle, rim }) in corners {
         let ends = [places[vertex as usize]; 2];
-        let outwards = solid.then(|| -away.iter().sum::<DVec3>());
+        let outwards = (solid && !rim).then(|| -away.iter().sum::<DVec3>());
         all.push(Feature { ends, at_corners: [true; 2], radius, angle, away, outwards });
     }
 }

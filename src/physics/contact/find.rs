@@ -10,12 +10,12 @@ use super::surface::Nearest;
 use super::touch::SURFACE;
 
 /// Points are watched which come as near as so many thicknesses.
-const REACH: f64 = 2.0;
+pub(super) const REACH: f64 = 2.0;
 /// Share of the thickness that a triangle may bulge into a round surface by, which its vertices keep.
 const BULGE: f64 = 1.0;
 /// Thicknesses, at most, that the vertices of a coarse cloth keep further off a round surface: places between them, each with a touch,
 /// come and go as the cloth moves, and would not let it rest.
-const LIFT: f64 = 2.0;
+pub(super) const LIFT: f64 = 2.0;
 /// Length of a side that this is made for, over that at rest.
 const STRETCHED: f64 = 1.1;
 /// Length that a side is stretched to at most, over that at rest, where it lies on something round.
@@ -30,6 +30,15 @@ pub(super) struct Found {
     pub weights: [f64; 3],
     pub feature: u32,
     pub meeting: Meeting,
+}
+
+impl Found {
+    /// Whether it came from the free side of what is solid from one side only.
+    pub fn passes(&self, body: &Body, moving: &Moving) -> bool {
+        let places = self.vertices.iter().zip(self.weights);
+        let start: DVec3 = places.map(|(&vertex, weight)| weight * moving.x[vertex as usize]).sum();
+        body.is_passed_by(&self.meeting, start)
+    }
 }
 
 /// The triangles of a cloth.
@@ -86,7 +95,7 @@ pub(super) fn free(moving: &Moving, vertex: usize) -> DVec3 {
 
 /// Points that come nearer than this are watched, at most, m.
 pub(super) fn reach(around: &Surroundings) -> f64 {
-    (REACH + LIFT) * around.settings.thickness
+    around.settings.reach()
 }
 
 /// How much further off a round collider vertices keep, so that what is between them keeps off as far as a thickness allows, m.
@@ -241,6 +250,10 @@ pub(super) fn between(
                 return;
             }
             passing.meet(feature, limits, |between| {
+                // Between held vertices nothing can give way.
+                if (0..3).all(|i| between.weights[i] == 0.0 || moving.held[triangle[i] as usize]) {
+                    return;
+                }
                 let from: DVec3 = (0..3).map(|i| between.weights[i] * passing.start[i]).sum();
                 let meeting = body.meet_between(from, &between, feature.radius, thickness, moving.dt);
                 let (vertices, weights) = in_order(*triangle, between.weights);

@@ -126,7 +126,7 @@ impl Ended<'_> {
         let free = corners.clone().filter(|&(vertex, _)| !moving.held[vertex]);
         let square: f64 = free.clone().map(|(_, weight)| weight * weight).sum();
         let deep = surface - normal.dot(x) - most;
-        if deep <= 0.0 || square == 0.0 {
+        if deep <= 0.0 || square == 0.0 || place.passes(body, moving) {
             return false;
         }
         let inwards = normal.dot(v - body.velocity(x, moving.dt)).min(0.0);

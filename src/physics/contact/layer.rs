@@ -1,5 +1,7 @@
 //! All touches of a cloth: found before a step, remembered after it.
 
+use std::sync::Arc;
+
 use bevy::math::DVec3;
 use parry3d::shape::SharedShape;
 
@@ -50,7 +52,7 @@ pub(crate) struct ContactLayer {
     pub(super) faces: Faces,
     pub(super) nearby: Nearby,
     /// Of the shapes that were near in the last substep: the shape tells them apart.
-    pub(super) features: Vec<(SharedShape, Features)>,
+    pub(super) features: Vec<(SharedShape, Arc<Features>)>,
     /// All vertices, in the frame of the collider that is looked at, where they are not far from it.
     pub(super) near: Vec<Near>,
     /// By vertex: how far it may end from its free way without being inside anything, squared, m²; infinite where it is held.
@@ -177,15 +179,15 @@ impl ContactLayer {
         }
     }
 
-    /// What a user sees of the touches that have a force, with the cloth at these points.
-    pub fn show(&self, points: &[DVec3], colliders: &[Collider]) -> Vec<Contact> {
+    /// What a user sees of the touches that have a force, with the cloth at the points that the step led to.
+    pub fn show(&self, points: &[DVec3]) -> Vec<Contact> {
         let contact = |touch: &Touch| {
             let x = touch.point(points);
             let above = touch.normal.dot(x) - touch.surface;
             Contact {
                 vertices: touch.vertices,
                 weights: touch.weights,
-                collider: colliders.get(touch.collider as usize).map_or(0, |collider| collider.id),
+                collider: touch.id,
                 point: x - above * touch.normal,
                 normal: touch.normal,
                 force: touch.acted,

@@ -12,6 +12,13 @@ const RECOVERY: f64 = 0.02;
 const RECOVERY_SPEED: f64 = 0.5;
 /// Cosine of the angle between the surface where it is entered and where it is nearest, above which the nearest counts.
 const SAME_SIDE: f64 = 0.5;
+/// What of the way and of the distances to a surface is rounding, as a share and m: a way straight across it is as long as both
+/// distances, which are made of f32.
+const ROUNDING: f64 = 1e-5;
+const ROUNDING_LENGTH: f64 = 1e-6;
+/// A point so far behind a surface that is solid from one side is there because nothing kept it from going there, m. Less than a
+/// thickness: what hangs around its rim keeps that distance from it, below as well, and stays there.
+const BEHIND: f64 = 1e-3;
 
 /// A collider in one substep.
 pub(super) struct Body<'a> {
@@ -154,9 +161,13 @@ impl<'a> Body<'a> {
             return Err(nearest.distance - reach);
         }
         let before = self.nearest(from, way + reach);
+        if self.is_behind(before.distance) {
+            return Err(nearest.distance.abs());
+        }
         let outside = before.distance > 0.0;
         if outside
-            && (nearest.distance <= 0.0 || way >= nearest.distance + before.distance)
+            && (nearest.distance <= 0.0
+                || way * (1.0 + ROUNDING) + ROUNDING_LENGTH >= nearest.distance + before.distance)
             && let Some((share, normal)) = self.surface.first_hit(from, to)
             && !(nearest.normal.dot(normal) > SAME_SIDE && nearest.distance <= 0.0)
         {
@@ -170,6 +181,16 @@ impl<'a> Body<'a> {
         let surface = normal.dot(self.end.place(to)) - nearest.distance;
         let offset = surface + kept(before.distance, thickness, dt);
         Ok(Meeting { normal, offset, surface, carried: self.end.place(from) })
+    }
+
+    /// Whether the other side of a surface that is solid from one is so far away, m, when the substep begins.
+    fn is_behind(&self, distance: f64) -> bool {
+        distance < -BEHIND && matches!(self.surface, Surface::Sheet(_))
+    }
+
+    /// Whether a place of the cloth that is at `x` when the substep begins is on the free side of what it meets.
+    pub fn is_passed_by(&self, meeting: &Meeting, x: DVec3) -> bool {
+        self.is_behind(meeting.normal.dot(self.end.place(self.start.local(x))) - meeting.surface)
     }
 
     /// The meeting of a place of a triangle that is `from` in the frame of the collider when the step begins.

@@ -13,9 +13,11 @@ mod detect;
 mod features;
 mod find;
 mod guard;
+mod known;
 mod layer;
 mod meeting;
 mod memory;
+mod sheet;
 mod surface;
 mod touch;
 
@@ -23,9 +25,10 @@ use bevy::math::DVec3;
 use parry3d::shape::SharedShape;
 
 pub(crate) use collider::merged;
-pub use collider::{Collider, Contact, ContactSettings, ContactSettingsError, Pose};
+pub use collider::{Collider, ColliderError, Contact, ContactSettings, ContactSettingsError, Pose};
 pub(crate) use layer::{ContactLayer, Moving, Surroundings};
 pub(crate) use memory::Memory;
+pub(crate) use sheet::is_sheet;
 
 /// The distance (m) from a point to a shape, in its frame, and the outward unit normal there. Where the surface is further than `within`, that may
 /// stand for the distance.

@@ -3,7 +3,9 @@
 use bevy::math::{DQuat, DVec3};
 use parry3d::bounding_volume::Aabb;
 use parry3d::query::{PointQuery, Ray};
-use parry3d::shape::{Compound, HeightField, Shape, SharedShape, TypedShape};
+use parry3d::shape::{Compound, HeightField, Shape, SharedShape, TriMesh, TypedShape};
+
+use super::sheet;
 
 /// The point of a surface that is nearest to another point.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +35,8 @@ pub(super) enum Surface<'a> {
     Solid(&'a dyn Shape),
     /// Has no inside: both sides keep cloth out.
     Shell(&'a dyn Shape),
+    /// Keeps cloth out from one side: behind it all is free.
+    Sheet(&'a TriMesh),
     /// Inside is what is below, as deep as is looked.
     Ground(&'a HeightField),
     /// Inside is what is inside of any part.
@@ -50,7 +54,8 @@ impl<'a> Surface<'a> {
             },
             TypedShape::HalfSpace(half_space) => Self::HalfSpace { normal: half_space.normal.as_dvec3() },
             TypedShape::Cuboid(cuboid) => Self::Cuboid { half: cuboid.half_extents.as_dvec3() },
-            TypedShape::TriMesh(mesh) if mesh.pseudo_normals().is_none() => Self::Shell(&**shape),
+            TypedShape::TriMesh(mesh) if mesh.pseudo_normals_if_oriented().is_none() => Self::Shell(&**shape),
+            TypedShape::TriMesh(mesh) if sheet::is_sheet(mesh) => Self::Sheet(mesh),
             TypedShape::HeightField(field) => Self::Ground(field),
             TypedShape::Compound(compound) => Self::Union(compound),
             TypedShape::Triangle(_) | TypedShape::Segment(_) | TypedShape::Polyline(_) => Self::Shell(&**shape),
@@ -77,6 +82,7 @@ impl<'a> Surface<'a> {
         match *self {
             Self::Ground(field) => nearest_of_ground(field, p, within),
             Self::Union(compound) => nearest_of_union(compound, p, within),
+            Self::Sheet(mesh) => sheet::nearest(mesh, p, within),
             Self::Ball { radius } => around(p, radius),
             Self::Capsule { a, b, radius } => {
                 let axis = b - a;
@@ -132,6 +138,7 @@ impl<'a> Surface<'a> {
                 cast(&capsule, from - middle, way)
             }
             Self::Solid(shape) | Self::Shell(shape) => cast(shape, from, way),
+            Self::Sheet(mesh) => cast(mesh, from, way),
             Self::Ground(field) => cast(field, from, way),
             Self::Union(compound) => cast(compound, from, way),
         }
@@ -196,7 +203,12 @@ fn nearest_of_union(compound: &Compound, p: DVec3, within: f64) -> Nearest {
         let (pose, shape) = &compound.shapes()[part as usize];
         let rotation: DQuat = pose.rotation.as_dquat().normalize();
         let local = rotation.inverse() * (p - pose.translation.as_dvec3());
-        let found = Surface::new(shape).nearest(local, within);
+        // Behind an open part there may be another: it has no inside then.
+        let surface = match Surface::new(shape) {
+            Surface::Sheet(_) => Surface::Shell(&**shape),
+            other => other,
+        };
+        let found = surface.nearest(local, within);
         if found.distance < nearest.distance {
             nearest = Nearest { normal: rotation * found.normal, ..found };
         }

@@ -41,8 +41,9 @@ pub(super) struct Touch {
     /// The vertex, or three of a triangle with their weights.
     pub vertices: [u32; 3],
     pub weights: [f64; 3],
-    /// Index of the collider.
+    /// Index of the collider, and its id: the index holds for one step.
     pub collider: u32,
+    pub id: u64,
     /// The corner or edge of the collider; [`SURFACE`] for a vertex.
     pub feature: u32,
     /// n.
@@ -255,6 +256,7 @@ pub(super) mod tests {
             vertices: [0; 3],
             weights: [1.0, 0.0, 0.0],
             collider: 0,
+            id: 0,
             feature: SURFACE,
             normal: DVec3::Y,
             offset: 0.003,

@@ -1,52 +1,78 @@
-//! Colliders of Avian, and cloth that pushes its bodies.
+//! Colliders of Avian.
 
-use avian3d::prelude::{Collider, ColliderOf, Forces, Friction, WriteRigidBodyForces};
+use std::sync::Arc;
+
+use avian3d::prelude::{Collider, ColliderDisabled, ColliderOf, Friction, PhysicsSystems, RigidBodyDisabled, Sensor};
 use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
+use parry3d::shape::SharedShape;
 
 use super::collider::ClothCollider;
-use super::engines::{ClothPhysicsCollider, take_over};
+use super::engines::{ClothPhysicsCollider, Suspended, suspend, take_over};
 use super::error::ClothColliderError;
-use crate::physics::StepOutcome;
-use crate::plugin::id::ClothId;
-use crate::plugin::state::ClothState;
-use crate::plugin::{ClothSystems, budget};
-
-/// On a dynamic rigid body of Avian: cloth that touches its colliders pushes it.
-///
-/// After each step of a cloth, the body receives the opposite of the impulses that its colliders gave to the cloth, where they
-/// gave them. To the cloth a body is as heavy as can be during a step: one that is much lighter than the cloth on it may
-/// jitter, the more so the longer the steps.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
-#[reflect(Component, Default, Clone, PartialEq)]
-pub struct ClothPushes;
+use super::surface::surface;
+use crate::plugin::ClothSystems;
 
 pub(in crate::plugin) fn plugin(app: &mut App, schedule: InternedScheduleLabel) {
     app.add_observer(end)
-        .register_type::<ClothPushes>()
+        // In the schedule of Avian, cloth meets bodies where they have come to.
+        .configure_sets(schedule, ClothSystems::Collect.after(PhysicsSystems::Last))
         .add_systems(
             schedule,
             adopt.before(super::track).in_set(ClothSystems::Collect).run_if(any_with_component::<ClothPhysicsCollider>),
-        )
-        .add_systems(
-            schedule,
-            push.after(super::tell)
-                .after(budget::observe)
-                .in_set(ClothSystems::Step)
-                .run_if(any_with_component::<ClothPushes>),
         );
 }
 
-type Marked<'a> = (Entity, &'a Collider, Option<&'a Friction>, Option<&'a ColliderOf>, Option<&'a ClothCollider>);
+/// A mesh of triangles as Avian has it, and what was made of it.
+#[derive(Component)]
+struct Rebuilt {
+    theirs: SharedShape,
+    ours: SharedShape,
+}
+
+type Marked<'a> = (
+    Entity,
+    &'a Collider,
+    Option<&'a Friction>,
+    Option<&'a ColliderOf>,
+    Option<&'a ClothCollider>,
+    Option<&'a Suspended>,
+    Option<&'a Rebuilt>,
+    Has<Sensor>,
+    Has<ColliderDisabled>,
+);
 
 /// Takes over shapes as they are before scale, which cloth applies itself; the friction of a body counts for its colliders.
-fn adopt(mut commands: Commands, colliders: Query<Marked, With<ClothPhysicsCollider>>, frictions: Query<&Friction>) {
-    for (entity, collider, friction, of, current) in &colliders {
-        let of_body = || frictions.get(of?.body).ok();
-        let friction = friction.or_else(of_body).map(|friction| friction.dynamic_coefficient);
-        take_over(&mut commands, entity, current, collider.shape(), friction);
+fn adopt(
+    mut commands: Commands,
+    colliders: Query<Marked, With<ClothPhysicsCollider>>,
+    frictions: Query<&Friction>,
+    disabled_bodies: Query<(), With<RigidBodyDisabled>>,
+) {
+    for (entity, collider, friction, of, current, suspended, rebuilt, sensor, disabled) in &colliders {
+        let body = of.map_or(entity, |of| of.body);
+        if sensor || disabled || disabled_bodies.contains(body) {
+            suspend(&mut commands, entity, current);
+            continue;
+        }
+        let friction = friction.or_else(|| frictions.get(body).ok()).map(|friction| friction.dynamic_coefficient);
+        let theirs = collider.shape();
+        let known = rebuilt.filter(|rebuilt| Arc::ptr_eq(&rebuilt.theirs.0, &theirs.0));
+        let shape = known.map(|known| known.ours.clone()).or_else(|| {
+            let ours = with_sides(theirs)?;
+            if let Ok(mut entity) = commands.get_entity(entity) {
+                entity.try_insert(Rebuilt { theirs: theirs.clone(), ours: ours.clone() });
+            }
+            Some(ours)
+        });
+        take_over(&mut commands, entity, current, suspended, shape.as_ref().unwrap_or(theirs), friction);
     }
+}
+
+/// A mesh of triangles that does not say which side of it is outside, made anew so that it does.
+fn with_sides(shape: &SharedShape) -> Option<SharedShape> {
+    let mesh = shape.as_trimesh().filter(|mesh| mesh.pseudo_normals_if_oriented().is_none())?;
+    surface(mesh.vertices(), mesh.indices()).ok()
 }
 
 /// Takes the collider of cloth away with that of the engine.
@@ -54,26 +80,6 @@ fn end(removed: On<Remove, Collider>, marked: Query<(), With<ClothPhysicsCollide
     if marked.contains(removed.entity)
         && let Ok(mut entity) = commands.get_entity(removed.entity)
     {
-        entity.try_remove::<(ClothCollider, ClothColliderError)>();
-    }
-}
-
-/// Hands the impulses of this tick's steps to the bodies, in the same order in every run.
-fn push(
-    cloths: Query<(&ClothState, Option<&ClothId>)>,
-    colliders: Query<&ColliderOf>,
-    mut bodies: Query<Forces, With<ClothPushes>>,
-) {
-    let stepped =
-        |state: &&ClothState| state.report_of_this_tick().is_some_and(|report| report.outcome == StepOutcome::Accepted);
-    for state in cloths.iter().sort::<Option<&ClothId>>().map(|(state, _)| state).filter(stepped) {
-        for contact in state.cloth.contacts() {
-            let Some(collider) = state.collider(contact.collider) else { continue };
-            let body = colliders.get(collider).map_or(collider, |of| of.body);
-            if let Ok(mut forces) = bodies.get_mut(body) {
-                let impulse = -contact.force * state.step_length();
-                forces.apply_linear_impulse_at_point(impulse.as_vec3(), contact.point.as_vec3());
-            }
-        }
+        entity.try_remove::<(ClothCollider, ClothColliderError, Rebuilt)>();
     }
 }

@@ -11,18 +11,25 @@ use super::error::ClothColliderError;
 /// Beside a collider of Avian or Rapier: makes it a [`ClothCollider`] too, with its shape and friction, and keeps it one as
 /// that changes. [`ClothCollider::teleport_distance`] may be set on what is made.
 ///
-/// A collider that is a child of a rigid body is marked itself, and has its own transform.
+/// A collider that is a child of a rigid body is marked itself, and has its own transform. While it is a sensor, or it or its body is
+/// disabled, it is no collider of cloth either. A mesh of triangles is taken over as [`ClothCollider::trimesh`] would make it, whatever
+/// flags the engine has it with.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform)]
 pub struct ClothPhysicsCollider;
 
+/// The [`ClothCollider::teleport_distance`] of a collider that is none for now, m.
+#[derive(Component)]
+pub(super) struct Suspended(f32);
+
 /// Brings the collider of an entity up to date.
 pub(super) fn take_over(
     commands: &mut Commands,
     entity: Entity,
     current: Option<&ClothCollider>,
+    suspended: Option<&Suspended>,
     shape: &SharedShape,
     friction: Option<f32>,
 ) {
@@ -31,16 +38,27 @@ pub(super) fn take_over(
     if current.is_some_and(same) {
         return;
     }
-    let teleport_distance = current.map_or(ClothCollider::TELEPORT_DISTANCE, |current| current.teleport_distance);
+    let teleport_distance = current.map(|current| current.teleport_distance).or(suspended.map(|suspended| suspended.0));
     if let Ok(mut entity) = commands.get_entity(entity) {
         let collider = ClothCollider::undescribed(shape.clone()).with_friction(friction);
-        entity.try_insert(collider.with_teleport_distance(teleport_distance));
+        let teleport_distance = teleport_distance.unwrap_or(ClothCollider::TELEPORT_DISTANCE);
+        entity.try_insert(collider.with_teleport_distance(teleport_distance)).try_remove::<Suspended>();
+    }
+}
+
+/// Takes the collider of an entity away that is a sensor or disabled.
+pub(super) fn suspend(commands: &mut Commands, entity: Entity, current: Option<&ClothCollider>) {
+    if let Some(current) = current
+        && let Ok(mut entity) = commands.get_entity(entity)
+    {
+        let suspended = Suspended(current.teleport_distance);
+        entity.try_insert(suspended).try_remove::<(ClothCollider, ClothColliderError)>();
     }
 }
 
 /// Takes the collider away with its mark.
 pub(in crate::plugin) fn end_mark(removed: On<Remove, ClothPhysicsCollider>, mut commands: Commands) {
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(ClothCollider, ClothColliderError)>();
+        entity.try_remove::<(ClothCollider, ClothColliderError, Suspended)>();
     }
 }

@@ -103,6 +103,21 @@ pub enum ClothColliderError {
         /// The scale.
         scale: Vec3,
     },
+    /// The shape cannot be sheared.
+    #[error(
+        "a {shape} cannot be sheared, and its entity is: it is turned under a parent that is not scaled evenly; give that parent an \
+         even scale, or the collider another shape"
+    )]
+    Shear {
+        /// Name of the kind of shape.
+        shape: String,
+    },
+    /// The mesh beside [`ClothMeshCollider`](super::ClothMeshCollider) is skinned.
+    #[error(
+        "the mesh is skinned: bones move what is drawn, and a collider would stay as the mesh was bound; remove `ClothMeshCollider`, and \
+         put `ClothCollider::capsule_between` on the entities of the bones instead"
+    )]
+    Skinned,
     /// A shape of a physics engine that has no equal here.
     #[error("a {shape} cannot be taken over from the physics engine: add a `ClothCollider` of another shape instead")]
     Unsupported {

@@ -110,7 +110,8 @@ pub(in crate::plugin) fn give(
         }
         let takes_away = due || surroundings.colliders.is_empty();
         if !given.is_empty() || (takes_away && !state.cloth.colliders().is_empty()) {
-            state.cloth.set_colliders(given.drain(..).map(|(_, collider)| collider));
+            // Their poses and friction were checked where they were tracked.
+            let _ = state.cloth.set_colliders(given.drain(..).map(|(_, collider)| collider));
         }
         surroundings.held |= !state.cloth.colliders().is_empty();
     }
@@ -156,6 +157,6 @@ fn reach_of_step(cloth: &Cloth, dt: f64) -> (Bounds, Bounds) {
     let pulled = |(vertex, target): (u32, DVec3)| cloth.positions()[vertex as usize].distance(target);
     let pull = cloth.pinned().map(pulled).fold(0.0, f64::max);
     let way = (speed * dt + cloth.gravity().length() * dt * dt).max(pull);
-    let thickness = 2.0 * cloth.contact_settings().thickness;
-    (bounds.grown(thickness + way), bounds.grown(thickness + AHEAD * way))
+    let reach = cloth.contact_settings().reach();
+    (bounds.grown(reach + way), bounds.grown(reach + AHEAD * way))
 }

@@ -1,6 +1,10 @@
 //! Colliders made of mesh assets, once these are loaded.
 
+use core::hash::{Hash, Hasher};
+
 use bevy::asset::LoadState;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
@@ -9,7 +13,9 @@ use super::error::{ClothColliderError, report};
 
 /// Makes the mesh of this entity's [`Mesh3d`] a [`ClothCollider`], when it is loaded and again when it changes.
 ///
-/// Building takes milliseconds for thousands of triangles: it is for meshes that keep their shape.
+/// Building takes milliseconds for thousands of triangles: it is for meshes that keep their shape. It is built again if positions or
+/// triangles of the mesh are others, not if anything else of it changes. A mesh that is moved by bones is refused: capsules on these
+/// follow them, [`ClothCollider::capsule_between`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]
@@ -45,11 +51,17 @@ impl Default for ClothMeshCollider {
     }
 }
 
+/// What a collider was built of: [`geometry`].
+#[derive(Component)]
+pub(in crate::plugin) struct Built(u64);
+
 type Wanted<'a> = (
     NameOrEntity,
     Ref<'a, ClothMeshCollider>,
     Option<Ref<'a, Mesh3d>>,
     Has<ClothCollider>,
+    Has<SkinnedMesh>,
+    Option<&'a Built>,
     Option<&'a ClothColliderError>,
 );
 
@@ -65,32 +77,60 @@ pub(in crate::plugin) fn shape_meshes(
         .read()
         .filter_map(|event| if let AssetEvent::Modified { id } = event { Some(*id) } else { None })
         .collect();
-    for (name, description, mesh, built, shown) in &wanted {
+    for (name, description, mesh, built, skinned, geometry_before, shown) in &wanted {
         let waits = !built && shown.is_none();
         let edited = description.is_changed()
-            || mesh.as_ref().is_none_or(|mesh| mesh.is_changed() || modified.contains(&mesh.id()))
+            || mesh.is_none()
+            || skinned != (shown == Some(&ClothColliderError::Skinned))
             // It may have been loaded after all.
             || (!built && mesh.as_ref().is_some_and(|mesh| meshes.contains(&mesh.0)) && is_of_loading(shown));
-        if !(waits || edited) {
+        // Bevy marks the handle as changed, too, where only the asset was.
+        let written = mesh.as_ref().is_some_and(|mesh| mesh.is_changed() || modified.contains(&mesh.id()));
+        if !(waits || edited || written) {
             continue;
         }
-        let made = description.make(mesh.as_deref(), &meshes, server.as_deref());
+        let asset = mesh.as_ref().and_then(|mesh| meshes.get(&mesh.0));
+        let now = asset.map(geometry);
+        if !(waits || edited) && now.is_some() && now == geometry_before.map(|before| before.0) {
+            continue;
+        }
+        let made = if skinned {
+            Err(ClothColliderError::Skinned)
+        } else {
+            // What is said of the mesh while it is built names the entity.
+            let _entity = tracing::info_span!("cloth collider", name = %name).entered();
+            description.make(mesh.as_deref(), &meshes, server.as_deref())
+        };
         let Ok(mut entity) = commands.get_entity(name.entity) else { continue };
         match made {
             Ok(Some(collider)) => {
-                entity.try_insert(collider).try_remove::<ClothColliderError>();
+                tracing::debug!("cloth collider {name}: {:?}", collider.kind());
+                entity.try_insert((collider, Built(now.unwrap_or_default()))).try_remove::<ClothColliderError>();
             }
             Ok(None) => {
-                entity.try_remove::<(ClothCollider, ClothColliderError)>();
+                entity.try_remove::<(ClothCollider, Built, ClothColliderError)>();
             }
             Err(error) => {
-                if built {
-                    entity.try_remove::<ClothCollider>();
-                }
+                entity.try_remove::<(ClothCollider, Built)>();
                 report(&mut commands, &name, shown, Some(error));
             }
         }
     }
+}
+
+/// A number for the positions and triangles of a mesh, the same in every run.
+fn geometry(mesh: &Mesh) -> u64 {
+    let mut hasher = std::hash::DefaultHasher::new();
+    mesh.primitive_topology().hash(&mut hasher);
+    if let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
+        positions.iter().for_each(|position| position.map(f32::to_bits).hash(&mut hasher));
+    }
+    match mesh.try_indices() {
+        Ok(Indices::U16(indices)) => indices.hash(&mut hasher),
+        Ok(Indices::U32(indices)) => indices.hash(&mut hasher),
+        Err(_) => {}
+    }
+    hasher.finish()
 }
 
 fn is_of_loading(shown: Option<&ClothColliderError>) -> bool {
@@ -125,6 +165,6 @@ impl ClothMeshCollider {
 /// Takes the collider away with its description.
 pub(in crate::plugin) fn end(removed: On<Remove, ClothMeshCollider>, mut commands: Commands) {
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(ClothCollider, ClothColliderError)>();
+        entity.try_remove::<(ClothCollider, ClothColliderError, Built)>();
     }
 }

@@ -16,19 +16,22 @@ mod engines;
 mod error;
 mod give;
 mod hull;
+mod kind;
 mod layers;
 mod mesh;
+#[cfg(feature = "avian3d")]
+pub(super) mod pushes;
 #[cfg(feature = "rapier3d")]
 pub(super) mod rapier;
 mod scale;
 mod settings;
 mod shapes;
+mod shear;
 mod surface;
 mod touches;
 mod track;
+mod winding;
 
-#[cfg(feature = "avian3d")]
-pub use avian::ClothPushes;
 pub use collider::ClothCollider;
 pub(super) use collider::rebuild;
 pub use description::{ClothShape, ClothShapePart};
@@ -38,9 +41,12 @@ pub use engines::ClothPhysicsCollider;
 pub(super) use engines::end_mark;
 pub use error::{ClothColliderError, ClothShapeError};
 pub(super) use give::{Met, Surroundings, give};
+pub use kind::ClothColliderKind;
 pub use layers::{ClothCollidesWith, ClothLayers};
 pub use mesh::{ClothMeshCollider, ClothMeshShape};
 pub(super) use mesh::{end as end_mesh, shape_meshes};
+#[cfg(feature = "avian3d")]
+pub use pushes::ClothPushes;
 pub use settings::ClothContact;
 pub(super) use touches::tell;
 pub use touches::{ClothContacts, ClothTouch};

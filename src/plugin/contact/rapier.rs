@@ -2,17 +2,18 @@
 
 use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
-use bevy_rapier3d::geometry::{Collider, ColliderView, Friction};
+use bevy_rapier3d::dynamics::{RigidBody, RigidBodyDisabled};
+use bevy_rapier3d::geometry::{Collider, ColliderDisabled, ColliderView, Friction, Sensor};
 use bevy_rapier3d::parry::math::Pose as TheirPose;
 use bevy_rapier3d::parry::shape::{ShapeType, SharedShape as Theirs};
 use parry3d::math::Pose;
 use parry3d::shape::SharedShape;
 
 use super::collider::ClothCollider;
-use super::engines::{ClothPhysicsCollider, take_over};
+use super::engines::{ClothPhysicsCollider, Suspended, suspend, take_over};
 use super::error::{ClothColliderError, report};
 use super::hull::hull;
-use super::surface::surface;
+use super::surface::{ground, surface};
 use crate::plugin::ClothSystems;
 
 pub(in crate::plugin) fn plugin(app: &mut App, schedule: InternedScheduleLabel) {
@@ -22,17 +23,37 @@ pub(in crate::plugin) fn plugin(app: &mut App, schedule: InternedScheduleLabel) 
     );
 }
 
-type Marked<'a> =
-    (NameOrEntity, Ref<'a, Collider>, Option<&'a Friction>, Option<&'a ClothCollider>, Option<&'a ClothColliderError>);
+type Marked<'a> = (
+    NameOrEntity,
+    Ref<'a, Collider>,
+    Option<&'a Friction>,
+    Option<&'a ClothCollider>,
+    Option<&'a Suspended>,
+    Option<&'a ClothColliderError>,
+    Has<Sensor>,
+    Has<ColliderDisabled>,
+);
 
 /// Takes over shapes as they are before scale, which cloth applies itself.
-fn adopt(mut commands: Commands, colliders: Query<Marked, With<ClothPhysicsCollider>>) {
-    for (name, collider, friction, current, shown) in &colliders {
+fn adopt(
+    mut commands: Commands,
+    colliders: Query<Marked, With<ClothPhysicsCollider>>,
+    bodies: Query<Has<RigidBodyDisabled>, With<RigidBody>>,
+    parents: Query<&ChildOf>,
+) {
+    for (name, collider, friction, current, suspended, shown, sensor, disabled) in &colliders {
+        // The body of a collider is the nearest entity above it that is one.
+        let mut above = core::iter::once(name.entity).chain(parents.iter_ancestors(name.entity));
+        let body_disabled = above.find_map(|entity| bodies.get(entity).ok()) == Some(true);
+        if sensor || disabled || body_disabled {
+            suspend(&mut commands, name.entity, current);
+            continue;
+        }
         let friction = friction.map(|friction| friction.coefficient);
         if let Some(current) = current.filter(|_| !collider.is_changed()) {
-            take_over(&mut commands, name.entity, Some(current), current.shape(), friction);
+            take_over(&mut commands, name.entity, Some(current), suspended, current.shape(), friction);
         } else if let Some(shape) = rebuilt(&collider.raw, &|| collider.as_unscaled_typed_shape()) {
-            take_over(&mut commands, name.entity, current, &shape, friction);
+            take_over(&mut commands, name.entity, current, suspended, &shape, friction);
         } else {
             if let Ok(mut entity) = commands.get_entity(name.entity) {
                 entity.try_remove::<ClothCollider>();
@@ -52,7 +73,7 @@ fn end(removed: On<Remove, Collider>, marked: Query<(), With<ClothPhysicsCollide
     }
 }
 
-/// The same shape. Ground becomes a mesh; `None` for voxels and shapes of users, which have no view.
+/// The same shape. Ground becomes a mesh that is solid from above; `None` for voxels and shapes of users, which have no view.
 fn rebuilt<'a>(theirs: &Theirs, view: &dyn Fn() -> ColliderView<'a>) -> Option<SharedShape> {
     if theirs.shape_type() == ShapeType::Custom {
         return None;
@@ -74,7 +95,7 @@ fn rebuilt<'a>(theirs: &Theirs, view: &dyn Fn() -> ColliderView<'a>) -> Option<S
         }
         ColliderView::HalfSpace(half) => SharedShape::halfspace(half.raw.normal),
         ColliderView::HeightField(field) => {
-            let (vertices, triangles) = field.raw.to_trimesh();
+            let (vertices, triangles) = ground(field.raw.to_trimesh());
             surface(&vertices, &triangles).ok()?
         }
         ColliderView::Compound(compound) => {

@@ -5,9 +5,10 @@ use parry3d::math::{Pose, Rotation};
 use parry3d::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, HalfSpace, SharedShape, TypedShape};
 
 use super::hull::hull;
+use super::surface::{ground, surface};
 
 /// Segments around a ball, capsule, cylinder or cone that scale makes another shape: inscribed, it is 2 % smaller at most.
-const SEGMENTS: u32 = 16;
+pub(super) const SEGMENTS: u32 = 16;
 
 /// Factors that differ by less are the same.
 const TOLERANCE: f32 = 1e-4;
@@ -57,9 +58,9 @@ pub(super) fn scaled(shape: &SharedShape, scale: Vec3) -> Option<SharedShape> {
         }
         TypedShape::HeightField(field) if scale.min_element() > 0.0 => SharedShape::new(field.clone().scaled(scale)),
         TypedShape::HeightField(field) => {
-            let (vertices, triangles) = field.to_trimesh();
-            let vertices = vertices.into_iter().map(|p| p * scale).collect();
-            SharedShape::trimesh(vertices, turned(&triangles, mirrored)).ok()?
+            let (vertices, triangles) = ground(field.to_trimesh());
+            let vertices: Vec<_> = vertices.into_iter().map(|p| p * scale).collect();
+            surface(&vertices, &turned(&triangles, mirrored)).ok()?
         }
         TypedShape::Compound(compound) => {
             let parts = compound.shapes().iter().map(|(pose, part)| scaled_part(pose, part, scale));
@@ -104,7 +105,7 @@ fn scaled_part(pose: &Pose, part: &SharedShape, scale: Vec3) -> Option<(Pose, Sh
 }
 
 /// Triangles, the other way round in a mirror.
-fn turned(triangles: &[[u32; 3]], mirrored: bool) -> Vec<[u32; 3]> {
+pub(super) fn turned(triangles: &[[u32; 3]], mirrored: bool) -> Vec<[u32; 3]> {
     triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] }).collect()
 }
 

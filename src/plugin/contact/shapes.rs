@@ -53,8 +53,18 @@ impl ClothCollider {
         Self::from_shape(ClothShape::ConvexHull { points: points.to_vec() })
     }
 
-    /// The surface of triangles, counter-clockwise seen from outside. If it is closed (every edge has two triangles), it is solid;
-    /// else cloth may be on either side of it.
+    /// The surface of triangles, counter-clockwise seen from outside. [`kind`](Self::kind) tells what it became:
+    ///
+    /// - If it is closed (every edge has two triangles), it is solid. Where the triangles face inwards, it keeps cloth inside, as a
+    ///   room does, and a warning says so.
+    /// - If it is open, it is one-sided: ground, floors and domes keep cloth on the side that they are seen from, and cloth that is
+    ///   behind them is free.
+    /// - If most of its faces are there twice, once for each side, one of each counts: a closed one is solid, an open one keeps cloth on
+    ///   both sides.
+    /// - Triangles that are wound the other way round than their neighbors are taken as turned, with a warning. Where they cannot be,
+    ///   as with three at an edge, cloth may be on both sides.
+    ///
+    /// Two-sided surfaces are the least steady: prefer a solid with some thickness.
     ///
     /// # Errors
     /// If there are no triangles, one names a vertex that does not exist, or a vertex is not finite.

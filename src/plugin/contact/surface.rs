@@ -1,16 +1,19 @@
 //! Surfaces of triangles.
 
 use bevy::math::{IVec3, Vec3};
-use bevy::platform::collections::HashMap;
+use bevy::platform::collections::{HashMap, HashSet};
 use parry3d::shape::{SharedShape, TriMeshFlags};
 
 use super::error::ClothShapeError;
 use super::hull::finite;
+use super::winding::{Distinct, agree, distinct, is_closed, is_consistent, turn, volume};
 
 /// Vertices nearer than this share of the diagonal are one: they are split along seams of normals and texture coordinates.
 const WELD: f32 = 1e-5;
 
-/// A mesh of triangles, solid if it is closed.
+/// A mesh of triangles: solid if it is closed, one-sided if it is open but wound one way, else a shell with two sides.
+///
+/// Says in the log what it had to do to them.
 pub(super) fn surface(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<SharedShape, ClothShapeError> {
     finite(vertices)?;
     let count = vertices.len();
@@ -22,8 +25,67 @@ pub(super) fn surface(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Share
     let (places, place_of) = weld(vertices);
     let welded = triangles.iter().map(|corners| corners.map(|vertex| place_of[vertex as usize]));
     let triangles: Vec<_> = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    let flags = if is_closed(&triangles) { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
+    let (triangles, flags) = wound(triangles, &places);
     SharedShape::trimesh_with_flags(places, triangles, flags).map_err(|_| ClothShapeError::Empty("triangles".into()))
+}
+
+/// The triangles of a field of heights, all counter-clockwise seen from above.
+pub(super) fn ground((vertices, mut triangles): (Vec<Vec3>, Vec<[u32; 3]>)) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    for triangle in &mut triangles {
+        let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+        *triangle = turn(*triangle, (b - a).cross(c - a).y < 0.0);
+    }
+    (vertices, triangles)
+}
+
+/// Decides what triangles are the surface of, and brings them into the order and the direction that this needs.
+fn wound(mut triangles: Vec<[u32; 3]>, places: &[Vec3]) -> (Vec<[u32; 3]>, TriMeshFlags) {
+    let Distinct { triangles: single, doubled } = distinct(&triangles);
+    // A few doubled ones are the common faces of solids that were put together: they are inside, and nothing touches them.
+    let is_doubled = 2 * doubled > single.len();
+    if is_doubled || doubled == 0 {
+        triangles = single;
+    }
+    if !is_closed(&triangles)
+        && !is_consistent(&triangles)
+        && let Some(turned) = agree(&mut triangles, places)
+        && !is_doubled
+    {
+        tracing::warn!(
+            "{turned} of {} triangles of a collider mesh were wound the other way round than their neighbors, and are taken as \
+             turned: recalculate its normals where it was made",
+            triangles.len(),
+        );
+    }
+    if is_closed(&triangles) {
+        if volume(triangles.iter().copied(), places) < 0.0 {
+            if is_doubled {
+                triangles.iter_mut().for_each(|triangle| *triangle = turn(*triangle, true));
+            } else {
+                tracing::warn!(
+                    "the {} triangles of a closed collider mesh face inwards: it keeps cloth inside, as a room does. If it is meant \
+                     to be solid, flip its normals where it was made, or look for a mirrored scale that was applied to it",
+                    triangles.len(),
+                );
+            }
+        }
+        (triangles, TriMeshFlags::ORIENTED)
+    } else if is_doubled || !is_consistent(&triangles) {
+        (triangles, TriMeshFlags::empty())
+    } else {
+        // The physics tells a surface that is open by its first triangle.
+        if let Some(open) = open_triangle(&triangles) {
+            triangles.swap(0, open);
+        }
+        (triangles, TriMeshFlags::ORIENTED | TriMeshFlags::HALF_EDGE_TOPOLOGY)
+    }
+}
+
+/// A triangle that has no neighbor at one of its edges.
+fn open_triangle(triangles: &[[u32; 3]]) -> Option<usize> {
+    let edges = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+    let passed: HashSet<[u32; 2]> = triangles.iter().flat_map(edges).collect();
+    triangles.iter().position(|triangle| edges(triangle).iter().any(|&[from, to]| !passed.contains(&[to, from])))
 }
 
 /// The different places of vertices, and which of them each has.
@@ -47,17 +109,6 @@ fn weld(vertices: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     });
     let place_of = place_of.collect();
     (places, place_of)
-}
-
-/// Whether each edge is passed as often in one direction as in the other.
-fn is_closed(triangles: &[[u32; 3]]) -> bool {
-    let mut turns: HashMap<[u32; 2], i32> = HashMap::new();
-    for &[a, b, c] in triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            *turns.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
-        }
-    }
-    turns.values().all(|&turns| turns == 0)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::collider::ClothCollider;
 use super::error::{ClothColliderError, report};
 use super::give::Surroundings;
 use super::layers::ClothLayers;
-use super::scale::scaled;
+use super::shear::{Sheared, Size};
 use crate::physics::Pose;
 use crate::plugin::budget::Keeper;
 use crate::plugin::motion::{Place, Places};
@@ -39,7 +39,7 @@ pub(in crate::plugin) struct Track {
 
 struct Scaled {
     shape: SharedShape,
-    scale: Vec3,
+    size: Size,
     /// Around the shape, in its own frame.
     bounds: Bounds,
 }
@@ -120,7 +120,7 @@ impl Track {
     /// Forgets its way: it stands here.
     pub fn stand(&mut self, transform: &GlobalTransform) {
         let (Some(sized), Ok(affine)) = (&self.sized, usable(transform)) else { return };
-        let pose = pose(&affine);
+        let (pose, _) = placed(&affine);
         let bounds = sized.bounds.at(&pose);
         (self.still, self.reach) = (0, Some(bounds));
         self.moments.clear();
@@ -130,15 +130,15 @@ impl Track {
     fn follow(&mut self, collider: &Ref<ClothCollider>, transform: &GlobalTransform) -> Result<(), ClothColliderError> {
         collider.validate()?;
         let affine = usable(transform).map_err(|_| ClothColliderError::Transform)?;
-        let (scale, ..) = affine.to_scale_rotation_translation();
-        let resized = self.resize(collider, scale.as_vec3())?;
-        self.move_to(pose(&affine), collider.teleport_distance.into(), resized);
+        let (pose, size) = placed(&affine);
+        let resized = self.resize(collider, size)?;
+        self.move_to(pose, collider.teleport_distance.into(), resized);
         Ok(())
     }
 
-    /// Takes over another shape or scale; says whether it was another.
-    fn resize(&mut self, collider: &Ref<ClothCollider>, scale: Vec3) -> Result<bool, ClothColliderError> {
-        let same = |old: &Scaled| (old.scale - scale).abs().cmple(1e-4 * scale.abs()).all();
+    /// Takes over another shape or size; says whether it was another.
+    fn resize(&mut self, collider: &Ref<ClothCollider>, size: Size) -> Result<bool, ClothColliderError> {
+        let same = |old: &Scaled| old.size.is_about(&size);
         if !collider.is_changed() && self.sized.as_ref().is_some_and(same) {
             return Ok(false);
         }
@@ -147,10 +147,9 @@ impl Track {
         let bounds =
             |shape: &SharedShape| Bounds::of_shape(&shape.compute_local_aabb()).ok_or(ClothColliderError::Shape);
         bounds(shape)?;
-        let shape = scaled(shape, scale)
-            .ok_or_else(|| ClothColliderError::Scale { shape: format!("{:?}", shape.shape_type()), scale })?;
+        let shape = size.of(shape)?;
         let bounds = bounds(&shape)?;
-        self.sized = Some(Scaled { shape, scale, bounds });
+        self.sized = Some(Scaled { shape, size, bounds });
         for moment in &mut self.moments {
             moment.bounds = bounds.at(&moment.pose);
         }
@@ -177,10 +176,14 @@ impl Track {
     }
 }
 
-/// Where a transform puts a shape, scale aside.
-fn pose(affine: &DAffine3) -> Pose {
-    let (_, rotation, translation) = affine.to_scale_rotation_translation();
-    Pose { translation, rotation: rotation.normalize() }
+/// Where a transform puts a shape, and how large it makes it.
+pub(in crate::plugin) fn placed(affine: &DAffine3) -> (Pose, Size) {
+    let (scale, mut rotation, translation) = affine.to_scale_rotation_translation();
+    let mut size = Size::Scaled(scale.as_vec3());
+    if let Some(sheared) = Sheared::of(affine.matrix3) {
+        (rotation, size) = (sheared.rotation, Size::Sheared(sheared.stretch));
+    }
+    (Pose { translation, rotation: rotation.normalize() }, size)
 }
 
 /// A collider that is none any more leaves nothing behind.
