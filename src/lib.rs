@@ -57,12 +57,12 @@ pub mod prelude {
     #[cfg(feature = "avian3d")]
     pub use crate::plugin::ClothPushes;
     pub use crate::plugin::{
-        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothColliderKind, ClothCollidesWith,
-        ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled, ClothError,
-        ClothGravity, ClothId, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh, ClothMeshCollider,
-        ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset, ClothRestore, ClothShape,
-        ClothShapeError, ClothShapePart, ClothSnapshot, ClothSolver, ClothSource, ClothState, ClothSystems,
-        ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
+        ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothColliderKind,
+        ClothCollidesWith, ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled,
+        ClothError, ClothGravity, ClothId, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh,
+        ClothMeshCollider, ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset,
+        ClothRestore, ClothShape, ClothShapeError, ClothShapePart, ClothSnapshot, ClothSolver, ClothSource, ClothState,
+        ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

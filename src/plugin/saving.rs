@@ -38,11 +38,16 @@ pub(super) fn note(started: On<Insert, ClothState>, states: Query<&ClothState>, 
     }
 }
 
+type Loaded<'a> = (Entity, &'a Mesh3d, &'a ClothSource);
+
 /// Gives a loaded cloth the mesh that it was made of.
-pub(super) fn take(mut loaded: Query<(&mut Mesh3d, &ClothSource), (With<ClothMesh>, Without<ClothState>)>) {
-    for (mut mesh, source) in &mut loaded {
-        if mesh.0 == Handle::default() && source.0 != Handle::default() {
-            mesh.0 = source.0.clone();
+pub(super) fn take(mut commands: Commands, loaded: Query<Loaded, (With<ClothMesh>, Without<ClothState>)>) {
+    for (entity, mesh, source) in &loaded {
+        if mesh.0 == Handle::default()
+            && source.0 != Handle::default()
+            && let Ok(mut entity) = commands.get_entity(entity)
+        {
+            entity.try_insert(Mesh3d(source.0.clone()));
         }
     }
 }

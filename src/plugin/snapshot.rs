@@ -4,9 +4,10 @@ use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
 use bevy::prelude::*;
 
 use super::components::ClothMesh;
-use super::contact::Track;
+use super::contact::{Met, Track};
 use super::error::ClothError;
 use super::follow::Following;
+use super::id::ClothId;
 use super::motion::Motions;
 use super::pace::Pace;
 use super::state::{ClothState, representatives, rest_shape};
@@ -59,6 +60,8 @@ pub struct ClothSnapshot {
     placed: bool,
     /// Ids of colliders, and where they were in the last step.
     colliders: Shared<(u64, DVec3, DQuat)>,
+    /// The same of all that the picture is led around, from the start of the step to its end.
+    met: Shared<(u64, [DVec3; 2], [DQuat; 2])>,
 }
 
 impl ClothSnapshot {
@@ -109,6 +112,7 @@ impl ClothState {
             follower: self.follower.following(),
             placed: self.placed,
             colliders: self.cloth.colliders().iter().map(|c| (c.id, c.end.translation, c.end.rotation)).collect(),
+            met: self.met.iter().map(ways).collect(),
             physics,
         }
     }
@@ -198,13 +202,30 @@ impl ClothState {
     }
 }
 
+fn ways(Met { id, start, end, .. }: &Met) -> (u64, [DVec3; 2], [DQuat; 2]) {
+    (*id, [start.translation, end.translation], [start.rotation, end.rotation])
+}
+
+/// What the picture was led around, of those that are there still.
+fn meet_again(snapshot: &ClothSnapshot, tracks: &Query<Tracked>) -> Vec<Met> {
+    let pose = |translation, rotation| Pose { translation, rotation };
+    let again = |&(id, [a, b], [q, r]): &(u64, [DVec3; 2], [DQuat; 2])| {
+        let (entity, _, track) = tracks.iter().find(|(_, known, _)| known.0 == id)?;
+        let (shape, _) = track.present()?;
+        Some(Met { entity, id, shape: shape.clone(), start: pose(a, q), end: pose(b, r) })
+    };
+    snapshot.met.iter().filter_map(again).collect()
+}
+
+type Tracked<'a> = (Entity, &'a ClothId, &'a Track);
+
 /// Observer of [`ClothRestore`].
 pub(super) fn restore(
     restore: On<ClothRestore>,
     mut commands: Commands,
     transforms: TransformHelper,
     mut cloths: Query<Option<&mut ClothState>, With<ClothMesh>>,
-    mut tracks: Query<(Entity, &mut Track, &GlobalTransform)>,
+    mut tracks: ParamSet<(Query<(Entity, &mut Track, &GlobalTransform)>, Query<Tracked>)>,
     mut motions: ResMut<Motions>,
     places: Query<&Transform>,
 ) {
@@ -219,7 +240,8 @@ pub(super) fn restore(
     let restored = state.restore(snapshot);
     if restored.is_ok() {
         motions.forget_all(&places);
-        for (entity, mut track, propagated) in &mut tracks {
+        state.met = meet_again(snapshot, &tracks.p1());
+        for (entity, mut track, propagated) in &mut tracks.p0() {
             track.stand(&transforms.compute_global_transform(entity).unwrap_or(*propagated));
         }
     }
@@ -230,9 +252,11 @@ pub(super) fn restore(
 pub(super) fn begin(
     mut commands: Commands,
     mut cloths: Query<(Entity, &mut ClothState, &ClothSnapshot), Added<ClothState>>,
+    tracks: Query<Tracked>,
 ) {
     for (entity, mut state, snapshot) in &mut cloths {
         state.faults.state = state.restore(snapshot).err();
+        state.met = meet_again(snapshot, &tracks);
         if let Ok(mut entity) = commands.get_entity(entity) {
             entity.try_remove::<ClothSnapshot>();
         }

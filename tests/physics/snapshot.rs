@@ -35,7 +35,7 @@ impl Scene {
         let at = |tick: u32| Pose::at(DVec3::new(0.1 * (0.2 * f64::from(tick)).sin(), 0.0, 0.0));
         let ball = Collider { id: 5, shape: SharedShape::ball(0.3), start: at(tick), end: at(tick + 1), friction: 0.5 };
         let floor = Collider::fixed(9, SharedShape::halfspace(Vec3::Y), Pose::at(DVec3::NEG_Y * 0.1), 0.5);
-        cloth.set_colliders([ball, floor]);
+        cloth.set_colliders([ball, floor]).unwrap();
         cloth.clear_pins();
         let lift = DVec3::Y * 0.05 * (0.1 * f64::from(tick)).sin();
         cloth.pin(0, cloth.shape().positions[0] + lift);

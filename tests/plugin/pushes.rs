@@ -92,7 +92,7 @@ fn light_bodies_lie_on_a_table_cloth_or_roll_off_it() {
             }
         }
         for (i, (name, body)) in bodies.into_iter().enumerate() {
-            let [speed, turns] = speeds(&app, body);
+            let [speed, _] = speeds(&app, body);
             let y = height(&app, body);
             // What falls 0.2 m has 2 m/s.
             assert!(fastest[i] < 2.3 && spin[i] < 40.0, "{schedule} {name}: {} m/s, {} rad/s", fastest[i], spin[i]);
@@ -108,15 +108,19 @@ fn light_bodies_lie_on_a_table_cloth_or_roll_off_it() {
 fn a_body_at_rest_is_carried() {
     for mass in [0.1, 5.0] {
         for (schedule, mut app) in apps() {
-            let ends = ClothPins::where_position(|p| p.x.abs() > 0.99);
-            canvas(&mut app, Vec2::new(2.0, 1.0), 16, (ends, Transform::from_xyz(0.0, 1.0, 0.0)));
+            let rim = ClothPins::where_position(|p| p.x.abs() > 0.99 || p.z.abs() > 0.49);
+            canvas(&mut app, Vec2::new(2.0, 1.0), 16, (rim, Transform::from_xyz(0.0, 1.0, 0.0)));
             let body = (RigidBody::Dynamic, Collider::sphere(0.15), Mass(mass), ClothPhysicsCollider, ClothPushes);
             let ball = app.world_mut().spawn((body, Transform::from_xyz(0.0, 1.16, 0.0))).id();
             run(&mut app, 640);
             let before = height(&app, ball);
             run(&mut app, 128);
             let [speed, _] = speeds(&app, ball);
-            assert!((height(&app, ball) - before).abs() < 0.02 && (0.5..1.2).contains(&before), "{mass} {schedule}");
+            assert!(
+                (height(&app, ball) - before).abs() < 0.02 && (0.5..1.2).contains(&before),
+                "{mass} {schedule}: {before} then {} m",
+                height(&app, ball)
+            );
             // Pushed before Avian lets it fall, it has the speed of one step of gravity, 0.15 m/s.
             assert!(speed < 0.3, "{mass} kg, {schedule}: {speed} m/s");
         }

@@ -104,6 +104,6 @@ fn changing_the_level_in_every_frame_moves_nothing_out_of_its_way() {
     // By a corner, a sheet hangs folded to one side or to the other.
     let mirrored = |p: Vec3| p.with_z(p.z.abs());
     for (a, b) in world(&app, steady).into_iter().zip(world(&app, restless)) {
-        assert_near(mirrored(a), mirrored(b), 0.01);
+        assert_near(mirrored(a), mirrored(b), 0.02);
     }
 }

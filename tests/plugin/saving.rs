@@ -123,7 +123,8 @@ struct Saved;
 
 fn app_with_sheet() -> App {
     let mut app = app();
-    app.register_type::<Saved>().register_type::<Mesh3d>();
+    // Bevy registers its own where its feature `reflect_auto_register` is on.
+    app.register_type::<Saved>().register_type::<Mesh3d>().register_type::<Transform>();
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(&SHEET, sheet()).unwrap();
     app
 }

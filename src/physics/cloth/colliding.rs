@@ -56,12 +56,14 @@ impl Cloth {
 
 #[cfg(test)]
 mod tests {
-    use bevy::math::DVec3;
+    use bevy::math::{DAffine3, DVec3};
     use parry3d::shape::SharedShape;
 
     use super::*;
-    use crate::physics::assembly::ElasticEnergy;
+    use crate::physics::assembly::{ElasticEnergy, Ordering};
     use crate::physics::cloth::engine::{Engine, Step};
+    use crate::physics::cloth::pins::Pins;
+    use crate::physics::cloth::snapshot::Remembered;
     use crate::physics::cloth::{ClothFault, SolverSettings, State, StepOutcome, StepReport};
     use crate::physics::contact::Pose;
     use crate::physics::material::Fabric;
@@ -92,6 +94,24 @@ mod tests {
         }
 
         fn set_fabric(&mut self, _: &RestShape, _: &Fabric) {}
+
+        fn measure(&mut self, _: &RestShape, _: &Fabric, _: &Ordering) {}
+
+        fn map(&mut self, _: DAffine3, _: &State, _: &Pins) {}
+
+        fn carry(&mut self, _: DAffine3, _: &[DVec3]) {}
+
+        fn boost(&mut self, _: DVec3) {}
+
+        fn remembered(&self, _: &Ordering) -> Remembered {
+            unimplemented!("nothing asks for it")
+        }
+
+        fn turn_count(&self) -> usize {
+            0
+        }
+
+        fn remember(&mut self, _: &Remembered, _: &Ordering) {}
 
         fn set_settings(&mut self, _: &SolverSettings) {}
 

@@ -19,7 +19,10 @@ pub(in crate::plugin) fn plugin(app: &mut App, schedule: InternedScheduleLabel) 
         .configure_sets(schedule, ClothSystems::Collect.after(PhysicsSystems::Last))
         .add_systems(
             schedule,
-            adopt.before(super::track).in_set(ClothSystems::Collect).run_if(any_with_component::<ClothPhysicsCollider>),
+            adopt
+                .before(super::rebuild)
+                .in_set(ClothSystems::Collect)
+                .run_if(any_with_component::<ClothPhysicsCollider>),
         );
 }
 

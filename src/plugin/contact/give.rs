@@ -20,6 +20,7 @@ use crate::plugin::state::ClothState;
 /// A collider near a cloth, and its way through the last step.
 pub(in crate::plugin) struct Met {
     pub entity: Entity,
+    pub id: u64,
     pub shape: SharedShape,
     pub start: Pose,
     pub end: Pose,
@@ -89,16 +90,10 @@ pub(in crate::plugin) fn give(
                 };
                 let way = track.bounds()?.swept(&start, &end);
                 if way.grown(track.lead()).overlaps(&seen) {
-                    met.push(Met { entity, shape: shape.clone(), start, end });
+                    met.push(Met { entity, id, shape: shape.clone(), start, end });
                 }
                 way.overlaps(&bounds).then_some(())?;
-                let given = Collider {
-                    id,
-                    shape: shape.clone(),
-                    start,
-                    end,
-                    friction: collider.friction.into(),
-                };
+                let given = Collider { id, shape: shape.clone(), start, end, friction: collider.friction.into() };
                 Some((entity, given))
             }));
             state.met = met;

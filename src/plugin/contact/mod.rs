@@ -50,7 +50,7 @@ pub use pushes::ClothPushes;
 pub use settings::ClothContact;
 pub(super) use touches::tell;
 pub use touches::{ClothContacts, ClothTouch};
-pub(super) use track::{Track, end, track};
+pub(super) use track::{Track, end, placed, track};
 
 use bevy::prelude::*;
 

@@ -19,7 +19,7 @@ use crate::plugin::ClothSystems;
 pub(in crate::plugin) fn plugin(app: &mut App, schedule: InternedScheduleLabel) {
     app.add_observer(end).add_systems(
         schedule,
-        adopt.before(super::track).in_set(ClothSystems::Collect).run_if(any_with_component::<ClothPhysicsCollider>),
+        adopt.before(super::rebuild).in_set(ClothSystems::Collect).run_if(any_with_component::<ClothPhysicsCollider>),
     );
 }
 
