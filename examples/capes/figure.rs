@@ -8,9 +8,6 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 /// Of the circle that the figures walk on, in metres.
 const CIRCLE: f32 = 1.1;
 
-/// No part goes as far as this in one step, unless it is put somewhere else; in metres.
-pub const JUMP: f32 = 0.25;
-
 /// What makes a figure and its parts solid.
 #[derive(Clone, Copy)]
 pub struct Bodies {

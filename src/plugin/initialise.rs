@@ -77,6 +77,7 @@ const RELATIVE_TOLERANCE: f64 = 1e-5;
 const PATIENCE: u32 = 64;
 
 /// Builds what is new or changed, see [`ClothSystems::Initialise`](super::ClothSystems::Initialise).
+#[expect(clippy::too_many_arguments, reason = "a system")]
 pub(super) fn initialise(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

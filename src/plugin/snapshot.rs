@@ -218,6 +218,7 @@ fn meet_again(snapshot: &ClothSnapshot, tracks: &Query<Tracked>) -> Vec<Met> {
 }
 
 type Tracked<'a> = (Entity, &'a ClothId, &'a Track);
+type Standing<'a> = (Entity, &'a mut Track, &'a GlobalTransform);
 
 /// Observer of [`ClothRestore`].
 pub(super) fn restore(
@@ -225,7 +226,7 @@ pub(super) fn restore(
     mut commands: Commands,
     transforms: TransformHelper,
     mut cloths: Query<Option<&mut ClothState>, With<ClothMesh>>,
-    mut tracks: ParamSet<(Query<(Entity, &mut Track, &GlobalTransform)>, Query<Tracked>)>,
+    mut tracks: ParamSet<(Query<Standing>, Query<Tracked>)>,
     mut motions: ResMut<Motions>,
     places: Query<&Transform>,
 ) {

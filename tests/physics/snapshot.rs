@@ -39,7 +39,7 @@ impl Scene {
         cloth.clear_pins();
         let lift = DVec3::Y * 0.05 * (0.1 * f64::from(tick)).sin();
         cloth.pin(0, cloth.shape().positions[0] + lift);
-        if tick < 40 || tick > 50 {
+        if !(40..=50).contains(&tick) {
             cloth.pin(self.n as u32 - 1, cloth.shape().positions[self.n - 1]);
         }
         cloth.step(DT);

@@ -33,7 +33,7 @@ impl Scaled {
                 Self::Still => Vec3::ONE,
                 Self::Breathing => Vec3::splat(1.0 + 0.1 * (core::f64::consts::TAU * time).sin() as f32),
                 // Half a second each way.
-                Self::Mirrored => Vec3::new(if (2.0 * time) as u64 % 2 == 0 { 1.0 } else { -1.0 }, 1.0, 1.0),
+                Self::Mirrored => Vec3::new(if ((2.0 * time) as u64).is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 1.0),
             };
         })
     }

@@ -53,7 +53,7 @@ fn outcome(hz: f64, speed: f64, when: When) -> Outcome {
         sheet(LENGTH, HEIGHT, 12).translated_by(Vec3::X * 0.5 * LENGTH),
         (
             ClothPins::where_position(|p| p.x < 1e-4),
-            ClothMaterial(Fabric { air_drag: AIR_DRAG, ..ClothMaterial::default().0 }),
+            ClothMaterial(Fabric { air_drag: AIR_DRAG as f32, ..ClothMaterial::default().0 }),
             Transform::from_xyz(0.0, 2.0, 0.0).with_rotation(behind),
         ),
         Some(vehicle),

@@ -124,7 +124,7 @@ impl Motions {
     }
 
     fn is_teleported(&self, entity: Entity) -> bool {
-        self.teleported.iter().any(|&teleported| teleported == (entity, self.tick))
+        self.teleported.contains(&(entity, self.tick))
     }
 
     /// Takes note of an entity in this tick; `None` if it has no place between its places, which is then as it is.
