@@ -115,7 +115,7 @@ impl Cloth {
             engine,
             inner_masses: in_order(&ordering, &masses),
             mass: masses.iter().sum(),
-            before: State { positions: Vec::new(), velocities: Vec::new() },
+            before: State { positions: vec![DVec3::ZERO; count], velocities: Vec::new() },
             state,
             pins: Pins::new(count),
             colliders: Vec::new(),
