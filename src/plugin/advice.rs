@@ -5,6 +5,7 @@ use bevy::ecs::name::NameOrEntityItem;
 use bevy::math::{DMat3, DVec3};
 use bevy::prelude::*;
 
+use super::geometry::extent;
 use super::pins::ClothPins;
 use super::state::ClothState;
 
@@ -145,9 +146,4 @@ impl ClothState {
             "cloth {name}: a mesh of {size:.3} m is too {too} for cloth: {hint} The entity's scale counts, and may put it right"
         );
     }
-}
-
-/// Lower and upper corner.
-pub(super) fn extent(positions: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
-    positions.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }

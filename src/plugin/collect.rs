@@ -59,11 +59,10 @@ pub(super) fn collect(
         }
         // The transform at the time of the tick, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
         let place = places.of(entity).unwrap_or(Place::only(*propagated));
-        let limits = state.limits;
-        state.follow(&place, &limits, dt);
+        state.follow(&place, dt);
         if !state.suspended && state.pace.is_due() {
             state.breathe();
-            state.place_pins(targets, places.times(), &limits, state.pace.pending + dt);
+            state.place_pins(targets, places.times(), state.pace.pending + dt);
         }
     }
     keeper.tick = keeper.tick.wrapping_add(1);

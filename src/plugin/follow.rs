@@ -5,7 +5,8 @@ use bevy::prelude::*;
 
 use super::components::ClothPinTargets;
 use super::error::ClothError;
-use super::motion::{Carry, Felt, Glides, Limits, Motion, Motions, Place, TargetWays};
+use super::geometry::extent;
+use super::motion::{Carry, Felt, Glides, Motion, Motions, Place, TargetWays};
 use super::state::{ClothState, same_scale, usable};
 
 /// Speed at which a vertex that has just come to be held is taken to its place within a tick at most, m/s. Beyond it glides.
@@ -90,19 +91,13 @@ pub(super) fn note_targets_of_ticks(motions: Res<Motions>, mut cloths: Query<(&m
 
 impl ClothState {
     /// Takes over where the entity is in this tick of `dt`. Without a usable transform the cloth waits.
-    pub(super) fn follow(&mut self, place: &Place, limits: &Limits, dt: f64) {
-        let followed = usable(&place.now).and_then(|now| self.go_to(now, place.before, limits, dt));
+    pub(super) fn follow(&mut self, place: &Place, dt: f64) {
+        let followed = usable(&place.now).and_then(|now| self.go_to(now, place.before, dt));
         self.suspended = followed.is_err();
         self.faults.transform = followed.err();
     }
 
-    fn go_to(
-        &mut self,
-        now: DAffine3,
-        before: Option<GlobalTransform>,
-        limits: &Limits,
-        dt: f64,
-    ) -> Result<(), ClothError> {
+    fn go_to(&mut self, now: DAffine3, before: Option<GlobalTransform>, dt: f64) -> Result<(), ClothError> {
         if !same_scale(self.binding.rest_linear, now.matrix3) {
             self.rescale_to(now)?;
         }
@@ -121,7 +116,7 @@ impl ClothState {
             self.carry(&Carry { map, jumped: true, ..Carry::NOTHING });
             self.seen_anchor = before;
         }
-        self.feel(now, limits, dt);
+        self.feel(now, dt);
         self.seen_anchor = now;
         if self.pace.is_due() {
             self.previous_anchor = self.anchor;
@@ -131,7 +126,7 @@ impl ClothState {
     }
 
     /// Carries the cloth by what it does not feel of the way of its entity to `now`.
-    fn feel(&mut self, now: DAffine3, limits: &Limits, dt: f64) {
+    fn feel(&mut self, now: DAffine3, dt: f64) {
         let before = self.seen_anchor;
         let anchored = self.is_anchored();
         let points = self.binding.corners(&self.pins).map(|p| before.transform_point3(p));
@@ -139,8 +134,8 @@ impl ClothState {
         let motion = Motion::between(before, now, middle, dt);
         let felt = &mut self.follower.felt;
         let carry = if anchored {
-            felt.feel(&motion, &points, limits)
-        } else if felt.jumps(&motion, &points, limits) {
+            felt.feel(&motion, &points, &self.limits)
+        } else if felt.jumps(&motion, &points, &self.limits) {
             // Nothing holds it: it follows its entity in jumps only.
             Carry { map: now * before.inverse(), jumped: true, ..Carry::NOTHING }
         } else {
@@ -174,15 +169,9 @@ impl ClothState {
 
     /// Tells the physics where held vertices are to be at the end of the step of `dt`. `times` are those of
     /// [`Motions::times`](super::motion::Motions::times).
-    pub(super) fn place_pins(
-        &mut self,
-        targets: Option<&ClothPinTargets>,
-        times: Option<(f64, f64)>,
-        limits: &Limits,
-        dt: f64,
-    ) {
+    pub(super) fn place_pins(&mut self, targets: Option<&ClothPinTargets>, times: Option<(f64, f64)>, dt: f64) {
         self.collect_held(targets, times);
-        self.begin_glides(limits, dt);
+        self.begin_glides(dt);
         let Self { cloth, anchor, follower: Follower { held, glides, .. }, .. } = self;
         glides.retain(|vertex| held.binary_search_by_key(&vertex, |&(held, _)| held).is_ok());
         glides.advance(*anchor, dt);
@@ -225,8 +214,8 @@ impl ClothState {
     }
 
     /// Lets what is held somewhere else than it is glide there.
-    fn begin_glides(&mut self, limits: &Limits, dt: f64) {
-        let Self { cloth, follower, anchor, previous_anchor, .. } = self;
+    fn begin_glides(&mut self, dt: f64) {
+        let Self { cloth, follower, anchor, previous_anchor, limits, .. } = self;
         let Follower { held, held_before, glides, .. } = follower;
         let far = |offset: DVec3, speed: f64| anchor.transform_vector3(offset).length() > speed * dt;
         let into = previous_anchor.inverse();
@@ -258,8 +247,7 @@ impl ClothState {
     /// Puts a cloth that was free, and is held further away than it is large, there as it is. Offsets are from where vertices are held
     /// to where they are, in the space of the entity.
     fn put_near(&mut self, offsets: &mut [(u32, DVec3)]) {
-        let all = self.cloth.positions().iter();
-        let (low, high) = all.fold((DVec3::MAX, DVec3::MIN), |(low, high), &p| (low.min(p), high.max(p)));
+        let [low, high] = extent(self.cloth.positions().iter().copied());
         let mean = offsets.iter().map(|&(_, offset)| offset).sum::<DVec3>() / offsets.len().max(1) as f64;
         let way = self.anchor.transform_vector3(mean);
         if way.length() <= low.distance(high) {

@@ -8,6 +8,7 @@ use core::f64::consts::TAU;
 
 use bevy::math::DVec3;
 
+use super::geometry::extent;
 use super::state::ClothState;
 use crate::physics::Cloth;
 
@@ -41,7 +42,7 @@ impl ClothState {
 fn breath(cloth: &Cloth) -> Option<Vec<DVec3>> {
     let positions = cloth.positions();
     let down = cloth.gravity().try_normalize()?;
-    let (low, high) = positions.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), &p| (low.min(p), high.max(p)));
+    let [low, high] = extent(positions.iter().copied());
     let (centre, size) = (0.5 * (low + high), low.distance(high));
     // Level in the plane, and across it.
     let level = |p: DVec3| (p - centre).reject_from_normalized(down);

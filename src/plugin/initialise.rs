@@ -11,11 +11,12 @@ use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use bevy::reflect::TypeRegistration;
 
-use super::advice::{Told, extent};
+use super::advice::Told;
 use super::budget::Share;
 use super::components::ClothMesh;
 use super::error::{ClothError, Faults, report};
 use super::follow::Follower;
+use super::geometry::extent;
 use super::inertia::ClothInertia;
 use super::material::ClothMaterial;
 use super::mesh_io::{SourceMesh, own_copy};
@@ -294,7 +295,7 @@ impl CandidateItem<'_, '_> {
         let copy = own_copy(asset, &normals);
         let representatives = representatives(&shape);
         let places = representatives.iter().map(|&v| mesh.positions[v as usize].as_dvec3());
-        let bounds = places.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
+        let bounds = extent(places);
         let aabb = Aabb::enclosing(&mesh.positions).unwrap_or_default();
         let shown = Shown {
             positions: mesh.positions.clone(),

@@ -67,6 +67,7 @@ mod debug;
 mod diagnostics;
 mod error;
 mod follow;
+mod geometry;
 mod id;
 mod imperfection;
 mod inertia;

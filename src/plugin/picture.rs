@@ -13,6 +13,7 @@ use bevy::prelude::*;
 use parry3d::shape::SharedShape;
 
 use super::contact::{ClothCollider, Met, placed};
+use super::geometry::extent;
 use super::state::{ClothState, ShownFrom, usable};
 use crate::physics::Pose;
 use crate::physics::contact::distance;
@@ -80,9 +81,8 @@ impl ClothState {
         if self.met.is_empty() {
             return Vec::new();
         }
-        let all = self.cloth.positions().iter();
-        let (low, high) = all.fold((DVec3::MAX, DVec3::MIN), |(low, high), &p| (low.min(p), high.max(p)));
-        // A difference of rigid motions is largest at some corner.
+        let [low, high] = extent(self.cloth.positions().iter().copied());
+        // Affine maps that agree at four places which are not in a plane agree everywhere.
         let corners = [low, DVec3::new(high.x, low.y, low.z), DVec3::new(low.x, high.y, low.z), high];
         let obstacle = |(index, met): (usize, &Met)| {
             let (drawn, _) = placed(&usable(colliders.get(met.entity).ok()?).ok()?);

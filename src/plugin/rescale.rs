@@ -3,6 +3,7 @@
 use bevy::math::{DAffine3, DMat3, DVec3};
 
 use super::error::ClothError;
+use super::geometry::polar;
 use super::state::{ClothState, representatives, rest_shape};
 use crate::physics::{Cloth, MeshError, SurfaceMesh};
 
@@ -14,9 +15,10 @@ impl ClothState {
     pub(super) fn rescale_to(&mut self, anchor: DAffine3) -> Result<(), ClothError> {
         let whole = anchor * self.anchor.inverse();
         // With both scale and turn in a tick, the pins turn in the step.
-        let map = match stretch(whole.matrix3) {
-            Some(stretch) => about(stretch, self.anchor.translation),
-            None => whole,
+        let map = if whole.matrix3.determinant() > 0.0 {
+            about(polar(whole.matrix3).1, self.anchor.translation)
+        } else {
+            whole
         };
         let of_cloth = if self.is_anchored() { map } else { about(map.matrix3, middle(self.cloth.positions())) };
         let Self { cloth, binding, .. } = self;
@@ -63,42 +65,4 @@ fn about(linear: DMat3, point: DVec3) -> DAffine3 {
 
 fn middle(positions: &[DVec3]) -> DVec3 {
     positions.iter().sum::<DVec3>() / positions.len() as f64
-}
-
-/// Iterations of Newton's method for the polar decomposition: a stretch of 1e6 along one axis takes 24.
-const ITERATIONS: u32 = 40;
-
-/// P of the polar decomposition Q P, with Q a rotation and P symmetric (Higham 1986). `None` if the map mirrors.
-fn stretch(linear: DMat3) -> Option<DMat3> {
-    if linear.determinant() <= 0.0 {
-        return None;
-    }
-    let mut rotation = linear;
-    for _ in 0..ITERATIONS {
-        let next = (rotation + rotation.inverse().transpose()) * 0.5;
-        let done = next.abs_diff_eq(rotation, 1e-15);
-        rotation = next;
-        if done {
-            break;
-        }
-    }
-    let stretch = rotation.transpose() * linear;
-    Some((stretch + stretch.transpose()) * 0.5)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_stretch_of_a_map_is_what_its_rotation_leaves() {
-        let turn = DMat3::from_rotation_z(2.5) * DMat3::from_rotation_x(0.7);
-        for scale in [DVec3::ONE, DVec3::splat(1e-3), DVec3::new(2.0, 1.0, 0.5), DVec3::new(1e5, 1.0, 1.0)] {
-            let axes = DMat3::from_rotation_y(0.3);
-            let expected = axes * DMat3::from_diagonal(scale) * axes.transpose();
-            let found = stretch(turn * expected).unwrap();
-            assert!(found.abs_diff_eq(expected, 1e-9 * scale.max_element()), "{found} is not {expected}");
-        }
-        assert_eq!(stretch(DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0))), None);
-    }
 }

@@ -10,6 +10,7 @@ use super::budget::{Rung, Share};
 use super::contact::Met;
 use super::error::{ClothError, Faults};
 use super::follow::{Carried, Follower};
+use super::geometry::extent;
 use super::mesh_io::SourceMesh;
 use super::motion::Limits;
 use super::pace::Pace;
@@ -82,7 +83,7 @@ pub(super) struct Binding {
     /// Linear part of the transform that the rest shape was measured with.
     pub rest_linear: DMat3,
     /// Box around the rest positions, in the space of the mesh.
-    pub bounds: (DVec3, DVec3),
+    pub bounds: [DVec3; 2],
 }
 
 /// What the own mesh shows, in its space.
@@ -211,9 +212,8 @@ impl Binding {
 
     /// Corners of the box around these vertices of the mesh, in its space; around all if there are none.
     pub fn corners(&self, vertices: &[u32]) -> [DVec3; 8] {
-        let held = vertices.iter().map(|&vertex| self.local(vertex));
-        let around = held.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
-        let (low, high) = if vertices.is_empty() { self.bounds } else { around };
+        let around = || extent(vertices.iter().map(|&vertex| self.local(vertex)));
+        let [low, high] = if vertices.is_empty() { self.bounds } else { around() };
         core::array::from_fn(|i| {
             DVec3::new([low.x, high.x][i & 1], [low.y, high.y][i >> 1 & 1], [low.z, high.z][i >> 2])
         })

@@ -326,7 +326,7 @@ impl<T: Scalar> Engine for Implicit<T> {
     }
 
     fn carry(&mut self, map: DAffine3, x: &[DVec3]) {
-        super::carry(&mut self.history.state, map);
+        self.history.state.map(map, DVec3::ZERO);
         let gram = map.matrix3.transpose() * map.matrix3;
         if !(gram.abs_diff_eq(DMat3::IDENTITY, RIGID) && map.matrix3.determinant() > 0.0) {
             self.settle(x);

@@ -218,7 +218,7 @@ impl Cloth {
     /// Carries the cloth elsewhere without it noticing: positions, velocities, history and pin targets are mapped, and it goes on from
     /// there. After a rigid motion it moves as it would have moved, but for gravity and colliders, which stay where they are.
     pub fn carry(&mut self, map: DAffine3) {
-        carry(&mut self.state, map);
+        self.state.map(map, DVec3::ZERO);
         self.pins.transform(map);
         self.engine.carry(map, &self.state.positions);
         self.show();
@@ -372,12 +372,6 @@ impl core::fmt::Debug for Cloth {
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }
-}
-
-/// Maps positions and turns velocities.
-fn carry(state: &mut State, map: DAffine3) {
-    state.positions.iter_mut().for_each(|x| *x = map.transform_point3(*x));
-    state.velocities.iter_mut().for_each(|v| *v = map.transform_vector3(*v));
 }
 
 /// Values of vertices in the order of the engine.

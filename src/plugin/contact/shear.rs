@@ -8,6 +8,7 @@ use super::error::ClothColliderError;
 use super::hull::hull;
 use super::scale::{SEGMENTS, scaled, turned};
 use super::surface::{ground, surface};
+use crate::plugin::geometry::polar;
 
 /// Cosine of the angle between axes, up to which they are at right angles: rounding of a long hierarchy.
 const SQUARE: f64 = 1e-4;
@@ -28,20 +29,11 @@ impl Sheared {
         (most > SQUARE).then(|| Self::polar(linear))
     }
 
-    /// The polar decomposition (Higham 1986): with it, what only turns keeps its stretch.
+    /// By the polar decomposition: with it, what only turns keeps its stretch.
     fn polar(linear: DMat3) -> Self {
-        let mut turn = linear;
-        for _ in 0..32 {
-            let next = 0.5 * (turn + turn.inverse().transpose());
-            let change = (next - turn).to_cols_array().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            turn = next;
-            if change < 1e-14 {
-                break;
-            }
-        }
-        turn *= turn.determinant().signum();
-        let stretch = turn.transpose() * linear;
-        Self { rotation: DQuat::from_mat3(&turn).normalize(), stretch: 0.5 * (stretch + stretch.transpose()) }
+        let (turn, stretch) = polar(linear);
+        let sign = turn.determinant().signum();
+        Self { rotation: DQuat::from_mat3(&(sign * turn)).normalize(), stretch: sign * stretch }
     }
 }
 

@@ -5,12 +5,12 @@ use std::collections::VecDeque;
 use bevy::math::{Quat, Vec3};
 
 /// Relative change of a value within the fixed loop that counts as rounding: physics engines write a transform back that is not
-/// the one they read to the last bit (a tick of Avian or Rapier moves a resting body by up to 4e-7).
+/// the one they read to the last bit. About a hundred times the rounding of f32.
 const NOISE: f32 = 1e-5;
 /// A change in a tick raises the confidence that ticks move this part, a tick without one lowers it by one.
 const SURER: u8 = 2;
-/// Confidence from which on a change outside of the fixed loop is taken for easing. An eased body shows no change in the ticks in
-/// which its eased place happens to be that of the tick: at 144 frames a second and 64 Hz, one in four.
+/// Confidence from which on a change outside of the fixed loop is taken for easing. An eased body shows no change in a tick in
+/// which its eased place happens to be that of the tick: the last case of the test of easing below.
 const SURE: u8 = 3;
 /// Upper limit of the confidence: what ticks no longer move is seen as moved by frames after so many ticks at most.
 const SUREST: u8 = 8;
