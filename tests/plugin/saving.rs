@@ -1,13 +1,13 @@
 //! Worlds saved by reflection, and loaded again.
 
-use bevy::asset::{
-    AssetServer, EphemeralHandleBehavior, HandleDeserializeProcessor, HandleSerializeProcessor, uuid_handle,
-};
-use bevy::ecs::entity::{EntityHashMap, SceneEntityMapper};
-use bevy::ecs::relationship::RelationshipHookMode;
+use bevy::asset::{AssetServer, uuid_handle};
+use bevy::camera::visibility::VisibilityClass;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy::reflect::serde::{ReflectDeserializer, ReflectSerializer};
 use bevy::reflect::{FromReflect, TypeRegistry};
+use bevy::world_serialization::DynamicWorldBuilder;
+use bevy::world_serialization::serde::WorldDeserializer;
 use bevy_cloth::parry3d::shape::SharedShape;
 use bevy_cloth::plugin::*;
 use serde::de::DeserializeSeed;
@@ -129,10 +129,8 @@ fn app_with_sheet() -> App {
     app
 }
 
-/// Entities, and all of their reflected components as text: what Bevy's `DynamicWorld` makes of them, in the same way.
-type File = Vec<(Entity, Vec<String>)>;
-
-fn save(app: &mut App) -> File {
+/// All that is marked, as Bevy saves it.
+fn save(app: &mut App) -> String {
     let mut states = app.world_mut().query::<(Entity, &ClothState)>();
     let snapshots: Vec<_> = states.iter(app.world()).map(|(entity, state)| (entity, state.snapshot())).collect();
     for (entity, snapshot) in snapshots {
@@ -140,43 +138,23 @@ fn save(app: &mut App) -> File {
     }
     let mut saved = app.world_mut().query_filtered::<Entity, With<Saved>>();
     let saved: Vec<_> = saved.iter(app.world()).collect();
-    let world = app.world();
-    let registry = world.resource::<AppTypeRegistry>().read();
-    let handles = HandleSerializeProcessor { ephemeral_handle_behavior: EphemeralHandleBehavior::Warn };
-    let components = |entity: Entity| {
-        let entity = world.entity(entity);
-        let reflected = entity.archetype().components().iter().filter_map(|&id| {
-            let registration = registry.get(world.components().get_info(id)?.type_id()?)?;
-            let value = registration.data::<ReflectComponent>()?.reflect(entity)?.as_partial_reflect();
-            Some(ron::to_string(&ReflectSerializer::with_processor(value, &registry, &handles)).unwrap())
-        });
-        reflected.collect()
-    };
-    saved.into_iter().map(|entity| (entity, components(entity))).collect()
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let world = DynamicWorldBuilder::from_world(app.world(), &registry)
+        // Bevy computes it, and text cannot hold it.
+        .deny_component::<VisibilityClass>()
+        .extract_entities(saved.into_iter())
+        .build();
+    world.serialize(&registry).unwrap()
 }
 
-fn load(app: &mut App, file: &File) -> EntityHashMap<Entity> {
+fn load(app: &mut App, file: &str) -> EntityHashMap<Entity> {
     let registry = app.world().resource::<AppTypeRegistry>().clone();
-    let registry = registry.read();
     let mut server = app.world().resource::<AssetServer>().clone();
+    let mut reader = ron::Deserializer::from_str(file).unwrap();
+    let world = WorldDeserializer { type_registry: &registry.read(), load_from_path: &mut server };
+    let world = world.deserialize(&mut reader).unwrap();
     let mut map = EntityHashMap::default();
-    for (entity, _) in file {
-        map.insert(*entity, app.world_mut().spawn_empty().id());
-    }
-    for (entity, components) in file {
-        for text in components {
-            let mut handles = HandleDeserializeProcessor { load_from_path: &mut server };
-            let mut reader = ron::Deserializer::from_str(text).unwrap();
-            let value = ReflectDeserializer::with_processor(&registry, &mut handles).deserialize(&mut reader).unwrap();
-            let info = value.get_represented_type_info().unwrap();
-            let component = registry.get_type_data::<ReflectComponent>(info.type_id()).unwrap();
-            let place = map[entity];
-            SceneEntityMapper::world_scope(&mut map, app.world_mut(), |world, mapper| {
-                let entity = &mut world.entity_mut(place);
-                component.apply_or_insert_mapped(entity, &*value, &registry, mapper, RelationshipHookMode::Skip);
-            });
-        }
-    }
+    world.write_to_world(app.world_mut(), &mut map).unwrap();
     map
 }
 
