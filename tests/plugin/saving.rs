@@ -29,7 +29,7 @@ fn every_shape() -> Vec<ClothCollider> {
     ];
     vec![
         ClothCollider::sphere(0.3).with_friction(0.25),
-        ClothCollider::capsule_between(Vec3::X, Vec3::new(0.1, 0.2, 0.3), 0.1).with_teleport_distance(7.0),
+        ClothCollider::capsule_between(Vec3::X, Vec3::new(0.1, 0.2, 0.3), 0.1).with_teleport_speed(7.0),
         ClothCollider::cuboid(0.1, 0.2, 0.3),
         ClothCollider::cylinder(0.2, 0.7),
         ClothCollider::cone(0.2, 0.7),
