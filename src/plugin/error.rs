@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 use super::state::ClothState;
-use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsError, SnapshotError};
+use crate::physics::{ContactSettingsError, MaterialError, MeshError, NewClothError, SettingsError, SnapshotError};
 
 /// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
 ///
@@ -137,6 +137,15 @@ pub enum ClothError {
         /// What the solver says.
         reason: String,
     },
+}
+
+impl From<NewClothError> for ClothError {
+    fn from(error: NewClothError) -> Self {
+        match error {
+            NewClothError::Fabric(error) => error.into(),
+            NewClothError::Settings(error) => error.into(),
+        }
+    }
 }
 
 impl From<SnapshotError> for ClothError {
