@@ -83,6 +83,7 @@ mod quality;
 mod rescale;
 mod saving;
 mod seams;
+mod sets;
 mod shading;
 mod snapshot;
 mod sources;
