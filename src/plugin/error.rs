@@ -16,14 +16,14 @@ use crate::physics::{ContactSettingsError, MaterialError, MeshError, NewClothErr
 #[reflect(Component, Clone, Debug)]
 #[non_exhaustive]
 pub enum ClothError {
-    /// No [`Mesh3d`].
-    #[error("there is no mesh: add `Mesh3d` beside `ClothMesh`")]
+    /// No [`Mesh3d`], neither beside [`ClothMesh`](super::ClothMesh) nor on a child.
+    #[error("there is no mesh: add `Mesh3d` beside `ClothMesh`, or to children of its entity")]
     NoMesh,
-    /// No [`Mesh3d`] here, but on a child: so does Bevy spawn the nodes of a glTF file.
-    #[error("there is no mesh, but its child {child} has one, as those of a glTF node have: put `ClothMesh` there")]
-    MeshOnChild {
-        /// The child's name, or its entity if it has none.
-        child: String,
+    /// No [`Mesh3d`] here or on children, but further down: so does Bevy spawn the scene of a glTF file.
+    #[error("there is no mesh here or on children, but the children of {node} have one: put `ClothMesh` on {node}")]
+    MeshBelow {
+        /// The name of what is above the mesh, or its entity if it has none.
+        node: String,
     },
     /// The handle of [`Mesh3d`] leads to no asset, and nothing loads one.
     #[error(
