@@ -17,8 +17,8 @@ use crate::plugin::id::give_later;
 
 /// A solid that cloth touches, where its entity is and as it moves.
 ///
-/// The shape is scaled by the entity's transform; that of a moving entity meets cloth with the velocity that led it to its
-/// present place. Kinematic: cloth does not push it.
+/// The shape is scaled by the entity's transform. A moving collider meets cloth with the velocity of its way since the last step.
+/// It is kinematic: cloth does not push it (but see `ClothPushes`, for bodies of Avian).
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -64,7 +64,7 @@ struct Node {
     scale: Way<Vec3>,
     /// Tick that it was last asked for in.
     ticked: u32,
-    /// Tick that sees it elsewhere than the past led, without a motion.
+    /// Tick in which its past was replaced, because it jumped.
     rewritten: u32,
 }
 
@@ -72,7 +72,8 @@ struct Node {
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub now: GlobalTransform,
-    /// Where it has to be seen in the last tick so that what happened since is motion, if that is elsewhere than it was seen then.
+    /// Where it was in the last tick, as its past is known now, if the last tick saw it elsewhere. From here to `now` it moved; from
+    /// where it was seen to here it jumped.
     pub before: Option<GlobalTransform>,
     /// Whether [`ClothTeleport`] says that it did not move here.
     pub teleported: bool,
