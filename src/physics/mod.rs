@@ -1,7 +1,7 @@
 //! The physics, free of any ECS: a mesh in, [`Cloth::step`], positions out.
 //!
-//! mesh → [`mesh`] (rest shape) → [`assembly`] (A and b from the [`energy`] files and from [`contact`]) → [`solve`] (A d = b) →
-//! [`cloth`] (state).
+//! mesh → [`mesh`] (rest shape) → [`terms`] (what pulls on the cloth: each [`energy`], [`contact`]) → [`assembly`] (A and b) →
+//! [`solve`] (A d = b) → `step` (what a substep does, in order) → [`cloth`] (state).
 
 pub mod assembly;
 pub mod cloth;
@@ -11,6 +11,9 @@ pub mod material;
 pub mod math;
 pub mod mesh;
 pub mod solve;
+mod step;
+mod sweep;
+pub mod terms;
 
 pub use cloth::{
     Cloth, ClothFault, Energy, Integrator, Precision, Quality, SettingsError, Snapshot, SnapshotError, SolverSettings,

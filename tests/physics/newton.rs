@@ -77,11 +77,12 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
         gamma: DT,
         gravity: cloth.gravity(),
         damping: 0.0,
-        air_drag: cloth.fabric().air_drag.into(),
+        wind: DVec3::ZERO,
+        dissipates: true,
         projection: Projection::PositivePart,
         drift: DVec3::ZERO,
         inertia: None,
-        contacts: &[],
+        stencils: &[],
     };
     system.settle(&reached);
     system.assemble(&step, &masses);

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::implicit_step::Linearisation;
+use super::implicit_step::Linearization;
 use super::{BlockPattern, Group, Part};
 use crate::physics::math::{Lanes, M3, Oct, Padded, ROWS, RowKernel, Scalar, V3};
 
@@ -14,7 +14,7 @@ pub(super) trait Elements<T: Scalar>: Sync {
     fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S>;
     /// Adds forces, damping included, and of the weighted projected Hessian of a batch what is below the diagonal: the rest
     /// follows from it, see [`row_sums`](super::row_sums).
-    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>);
+    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearization<T>, out: &mut Output<T>);
 }
 
 /// Energy of the elements of a part, J.
@@ -23,7 +23,7 @@ pub(super) fn energy<T: Scalar>(elements: &impl Elements<T>, part: usize, x: &[P
 }
 
 /// Adds what the elements have to say about the rows of a part.
-pub(super) fn assemble<T: Scalar>(elements: &impl Elements<T>, at: &Linearisation<T>, out: &mut Output<T>) {
+pub(super) fn assemble<T: Scalar>(elements: &impl Elements<T>, at: &Linearization<T>, out: &mut Output<T>) {
     T::dispatch(Assemble { elements, at, out });
 }
 
@@ -48,7 +48,7 @@ impl<T: Scalar, E: Elements<T>> RowKernel<T> for EnergyOf<'_, E> {
 
 struct Assemble<'a, 'b, E, T: Scalar> {
     elements: &'a E,
-    at: &'a Linearisation<'a, T>,
+    at: &'a Linearization<'a, T>,
     out: &'a mut Output<'b, T>,
 }
 
@@ -64,7 +64,7 @@ impl<T: Scalar, E: Elements<T>> RowKernel<T> for Assemble<'_, '_, E, T> {
 }
 
 /// The rows of a part, which elements add to. What they add elsewhere is left out: they are assembled there again.
-pub(super) struct Output<'a, T: Scalar> {
+pub struct Output<'a, T: Scalar> {
     part: usize,
     first_row: usize,
     first_group: usize,

@@ -2,13 +2,14 @@
 
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
-use super::implicit_step::Linearisation;
+use super::implicit_step::Linearization;
 use super::mid_edges::{self, MidEdges, Phi, turned};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar, V3};
 use crate::physics::mesh::{BendingModel, Hinge, RestShape};
+use crate::physics::terms::{Substep, Term, Trial};
 
 /// All hinges, in batches.
 pub(super) struct Hinges<T> {
@@ -109,40 +110,11 @@ impl<T: Scalar> Hinges<T> {
 }
 
 impl<T: Scalar> Hinges<T> {
-    /// Elastic energy at `x`, J.
-    pub fn total_energy(&mut self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
-        match self.mid_edges.take() {
-            None => self.total_energy_at(parts, x),
-            Some(mut mid_edges) => {
-                let energy = mid_edges.energy(&self.angles_at(x, None));
-                self.mid_edges = Some(mid_edges);
-                energy
-            }
-        }
-    }
-
-    /// The same, for those who may not change anything.
+    /// Elastic energy at `x`, J, for those who may not change anything.
     pub fn total_energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
         match &self.mid_edges {
             None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x)),
             Some(mid_edges) => mid_edges.energy_at(&self.angles_at(x, None)),
-        }
-    }
-
-    /// Before forces are linearised there.
-    pub fn prepare(&mut self, at: &Linearisation<T>) {
-        if let Some(mut mid_edges) = self.mid_edges.take() {
-            let damping = (at.rate > 0.0).then_some(at);
-            mid_edges.relax(&self.angles_at(at.x, damping));
-            self.mid_edges = Some(mid_edges);
-        }
-    }
-
-    /// Before anything else is done at points that have nothing to do with those before.
-    pub fn settle(&mut self, x: &[Padded<f64>]) {
-        if let Some(mut mid_edges) = self.mid_edges.take() {
-            mid_edges.settle(&self.angles_at(x, None));
-            self.mid_edges = Some(mid_edges);
         }
     }
 
@@ -158,7 +130,7 @@ impl<T: Scalar> Hinges<T> {
         self.mid_edges.as_ref().map_or(&[], MidEdges::held)
     }
 
-    /// What is remembered from linearisation to linearisation.
+    /// What is remembered from linearization to linearization.
     pub fn turns(&self) -> Vec<T> {
         self.mid_edges.as_ref().map_or_else(Vec::new, MidEdges::turns)
     }
@@ -171,9 +143,46 @@ impl<T: Scalar> Hinges<T> {
     }
 
     /// Angles at `x`, with what damping adds to them.
-    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
+    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearization<T>>) -> impl mid_edges::Angles<T> {
         move |part: usize, shares: &[Pack<T>], phi: &[Phi<T>], out: &mut [Phi<T>]| {
             T::dispatch(Angles { hinges: self, part, x, damping, shares, phi, out });
+        }
+    }
+}
+
+impl<T: Scalar> Term<T> for Hinges<T> {
+    fn prepare(&mut self, at: &Linearization<T>) {
+        if let Some(mut mid_edges) = self.mid_edges.take() {
+            let damping = (at.rate > 0.0).then_some(at);
+            mid_edges.relax(&self.angles_at(at.x, damping));
+            self.mid_edges = Some(mid_edges);
+        }
+    }
+
+    fn add_elements(&self, at: &Linearization<T>, out: &mut Output<T>) {
+        batch::assemble(self, at, out);
+    }
+
+    fn is_stored(&self) -> bool {
+        true
+    }
+
+    /// For the present turns of mid-edge normals: what relaxes them changes it.
+    fn potential(&mut self, _: &Substep, at: &Trial) -> f64 {
+        match self.mid_edges.take() {
+            None => self.total_energy_at(at.parts, at.points),
+            Some(mut mid_edges) => {
+                let energy = mid_edges.energy(&self.angles_at(at.points, None));
+                self.mid_edges = Some(mid_edges);
+                energy
+            }
+        }
+    }
+
+    fn settle(&mut self, at: &Trial) {
+        if let Some(mut mid_edges) = self.mid_edges.take() {
+            mid_edges.settle(&self.angles_at(at.points, None));
+            self.mid_edges = Some(mid_edges);
         }
     }
 }
@@ -182,7 +191,7 @@ struct Angles<'a, T: Scalar> {
     hinges: &'a Hinges<T>,
     part: usize,
     x: &'a [Padded<f64>],
-    damping: Option<&'a Linearisation<'a, T>>,
+    damping: Option<&'a Linearization<'a, T>>,
     shares: &'a [Pack<T>],
     phi: &'a [Phi<T>],
     out: &'a mut [Phi<T>],
@@ -224,7 +233,7 @@ impl<T: Scalar> Elements<T> for Hinges<T> {
 
     /// All of the Hessian is material.
     #[inline(always)]
-    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
+    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearization<T>, out: &mut Output<T>) {
         let rest = self.rest(s, batch);
         let edges = self.edges(s, batch, at.x);
         let gradient = hinge::gradient(edges, rest.normal_floor);

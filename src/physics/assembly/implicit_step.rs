@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 
-use super::ContactTerm;
+use super::Stencil;
 use crate::physics::math::{Padded, Scalar};
 
 /// How the stress is made safe in the geometric part of the Hessian.
@@ -15,24 +15,24 @@ pub enum Projection {
     Absolute,
 }
 
-/// One implicit step as a linear system for the move `d` from the points `x` where the forces are linearised.
+/// One implicit step as a linear system for the move `d` from the points `x` where the forces are linearized.
 ///
 /// The new state is `x' = q + γ v'` with the position q and the velocity `u = (y − q)/γ` that earlier states carry into the
-/// step (backward Euler: `q = xₙ`, `y = xₙ + Δt vₙ`, γ = Δt). With damping matrix D (material part of H) and drag α:
+/// step (backward Euler: `q = xₙ`, `y = xₙ + Δt vₙ`, γ = Δt). With damping matrix D (material part of H), drag α and wind w, from [`terms`](crate::physics::terms):
 ///
 /// ```text
 /// A = M (1 + γ α) + γ² H(x) + γ dp D(x)                                 d = x' − x
-/// b = M (y − x) + γ² (f(x) + M g) − γ (dp D(x) + α M) (x − q)
+/// b = M (y − x) + γ² (f(x) + M g) − γ dp D(x) (x − q) − γ α M (x − q − γ w)
 /// ```
 ///
 /// A uniform translation t meets no stiffness, `A t = M (1 + γ α) t`, but in f32 the rows of A do not quite sum to that: so
 /// a drift t common to all vertices is taken out, and what is solved for is `d − t`.
 ///
-/// For backward Euler linearised at xₙ this is Baraff & Witkin's step `[M − Δt(Δt+dp) K] Δv = Δt [f + (Δt+dp) K v]` written
+/// For backward Euler linearized at xₙ this is Baraff & Witkin's step `[M − Δt(Δt+dp) K] Δv = Δt [f + (Δt+dp) K v]` written
 /// for `d = Δt (v + Δv)`, with the same projected K on both sides.
 #[derive(Clone, Copy, Debug)]
 pub struct ImplicitStep<'a> {
-    /// Where the forces are linearised, m.
+    /// Where the forces are linearized, m.
     pub x: &'a [DVec3],
     /// y: where inertia alone would lead, m.
     pub inertial: &'a [DVec3],
@@ -42,10 +42,12 @@ pub struct ImplicitStep<'a> {
     pub gamma: f64,
     /// Gravity, m/s².
     pub gravity: DVec3,
+    /// Velocity w of the air, m/s.
+    pub wind: DVec3,
     /// Material damping dp, s.
     pub damping: f64,
-    /// Drag of the air α, 1/s.
-    pub air_drag: f64,
+    /// Whether the air slows the cloth. It only takes energy away, so a descent may do without it.
+    pub dissipates: bool,
     /// How the stress is made safe.
     pub projection: Projection,
     /// Translation t that the solution is relative to, m.
@@ -53,8 +55,8 @@ pub struct ImplicitStep<'a> {
     /// By vertex, if not 1 for all: factor of M in A and b. With (γ/Δt)² and y = xₙ + Δt vₙ a vertex takes a step of backward Euler
     /// while the others take one of another scheme.
     pub inertia: Option<&'a [f64]>,
-    /// Forces of contact, linearised at x.
-    pub contacts: &'a [ContactTerm],
+    /// Forces on points of the cloth, linearized at x.
+    pub stencils: &'a [Stencil],
 }
 
 impl<'a> ImplicitStep<'a> {
@@ -66,41 +68,21 @@ impl<'a> ImplicitStep<'a> {
             origin: x,
             gamma: dt,
             gravity,
+            wind: DVec3::ZERO,
             damping: 0.0,
-            air_drag: 0.0,
+            dissipates: false,
             projection: Projection::PositivePart,
             drift: DVec3::ZERO,
             inertia: None,
-            contacts: &[],
+            stencils: &[],
         }
-    }
-
-    /// Mean of the move, which the elastic forces have no part in, for a cloth that nothing holds, m.
-    pub fn free_drift(&self, masses: &[f64]) -> DVec3 {
-        let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-        for (vertex, &mass) in masses.iter().enumerate() {
-            let x = self.x[vertex];
-            sum += mass * (self.inertial[vertex] - x - self.gamma * self.air_drag * (x - self.origin[vertex]));
-            total += mass;
-        }
-        sum / (total * (1.0 + self.gamma * self.air_drag)) + self.free_fall()
-    }
-
-    /// The part of gravity in the move of a cloth that nothing holds, m.
-    pub fn free_fall(&self) -> DVec3 {
-        self.gamma * self.gamma / (1.0 + self.gamma * self.air_drag) * self.gravity
-    }
-
-    /// The move of a vertex that inertia and drag alone would give, m: zero at rest.
-    pub fn inertial_move(&self, vertex: usize) -> DVec3 {
-        (self.inertial[vertex] - self.x[vertex]) / (1.0 + self.gamma * self.air_drag)
     }
 }
 
 /// What the elements need to know of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Linearisation<'a, T: Scalar> {
-    /// Where the forces are linearised, m.
+pub struct Linearization<'a, T: Scalar> {
+    /// Where the forces are linearized, m.
     pub x: &'a [Padded<f64>],
     /// x − q up to a common translation, m: `(x − q)/γ` is the velocity that damping acts on.
     pub moved: &'a [Padded<T>],
@@ -114,8 +96,8 @@ pub(super) struct Linearisation<'a, T: Scalar> {
     pub rate: f64,
 }
 
-impl<'a, T: Scalar> Linearisation<'a, T> {
-    pub fn new(step: &ImplicitStep, x: &'a [Padded<f64>], moved: &'a [Padded<T>]) -> Self {
+impl<'a, T: Scalar> Linearization<'a, T> {
+    pub(super) fn new(step: &ImplicitStep, x: &'a [Padded<f64>], moved: &'a [Padded<T>]) -> Self {
         Self {
             x,
             moved,

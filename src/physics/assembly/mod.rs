@@ -4,14 +4,13 @@
 //! holds their values, in [`group`]s of eight rows; `triangles` and `hinges` run the energies over batches of elements and
 //! add into precomputed slots, `hinges` with the moments of `mid_edges` unless the cloth bends by hinges alone; [`System`] puts A and b together; [`Constraints`] take the pinned vertices out.
 //!
-//! A new element energy is a file like `hinges.rs`, and three calls in `system.rs`. One that feels a translation puts its
-//! part of the diagonal there itself, as `contacts` does: see `row_sums`.
+//! A new element energy is a file like `hinges.rs`, a [`Term`](super::terms::Term) like all that enters a step. One that feels a
+//! translation puts its part of the diagonal there itself, as `stencils` do: see `row_sums`.
 
 mod batch;
 pub mod block_csr;
 mod colouring;
 mod constraints;
-mod contacts;
 pub mod group;
 mod hinges;
 mod implicit_step;
@@ -21,16 +20,18 @@ pub mod parts;
 pub mod pattern;
 mod row_sums;
 pub(crate) mod slice;
+mod stencils;
 mod system;
 mod triangles;
 
 pub use block_csr::BlockCsr;
 pub(crate) use colouring::colour;
 pub use constraints::{Constraints, constrain};
-pub use contacts::ContactTerm;
 pub use group::Group;
-pub use implicit_step::{ImplicitStep, Projection};
+pub(crate) use batch::Output;
+pub use implicit_step::{ImplicitStep, Linearization, Projection};
 pub use ordering::Ordering;
 pub use parts::Part;
 pub use pattern::{BlockPattern, Slicing};
+pub use stencils::Stencil;
 pub use system::{ElasticEnergy, System};

@@ -4,19 +4,19 @@ use std::sync::Arc;
 
 use bevy::math::DVec3;
 
-use super::batch::{self, Output};
-use super::contacts;
+use super::batch::Output;
 use super::hinges::Hinges;
-use super::implicit_step::{ImplicitStep, Linearisation};
+use super::implicit_step::{ImplicitStep, Linearization};
 use super::ordering::along;
-use super::parts::{ByGroup, BySlice, Part, for_parts};
+use super::parts::{ByGroup, BySlice, Merge, Part, Split, for_parts};
 use super::row_sums::SubtractRows;
+use super::stencils;
 use super::triangles::Triangles;
 use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
-use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
 use crate::physics::math::{M3, Padded, ROWS, Scalar};
 use crate::physics::mesh::RestShape;
+use crate::physics::terms::{AirDrag, Gravity, Inertia, Row, Substep, Term, Trial};
 
 /// Elastic energy by term, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,13 +34,41 @@ impl ElasticEnergy {
     }
 }
 
-/// The linear system of a cloth: elements, and the storage of A and b. All vertices are numbered as its ordering says.
+/// Rows that terms of single vertices are asked for at a time: few enough for the first cache.
+const CHUNK: usize = 64;
+
+/// The terms of a cloth but contact, which the step keeps: it solves again for it.
+struct Terms<T: Scalar> {
+    membrane: Triangles<T>,
+    bending: Hinges<T>,
+    others: Vec<Box<dyn Term<T>>>,
+}
+
+impl<T: Scalar> Terms<T> {
+    fn each(&self) -> impl Iterator<Item = &dyn Term<T>> {
+        let elastic: [&dyn Term<T>; 2] = [&self.membrane, &self.bending];
+        elastic.into_iter().chain(self.others.iter().map(|term| &**term))
+    }
+
+    fn each_mut(&mut self) -> impl Iterator<Item = &mut dyn Term<T>> {
+        let elastic: [&mut dyn Term<T>; 2] = [&mut self.membrane, &mut self.bending];
+        elastic.into_iter().chain(self.others.iter_mut().map(|term| &mut **term as &mut dyn Term<T>))
+    }
+
+    /// What single vertices have in A and b, from row `first` on.
+    fn rows<'a>(&self, step: &ImplicitStep, masses: &[f64], first: usize, rows: &'a mut [Row]) -> &'a [Row] {
+        rows.fill(Row::default());
+        self.each().for_each(|term| term.add_rows(step, masses, first, rows));
+        rows
+    }
+}
+
+/// The linear system of a cloth: terms, and the storage of A and b. All vertices are numbered as its ordering says.
 pub struct System<T: Scalar> {
-    triangles: Triangles<T>,
-    hinges: Hinges<T>,
-    /// x, where the cloth is to be linearised or measured, m.
+    terms: Terms<T>,
+    /// x, where the cloth is to be linearized or measured, m.
     points: Vec<Padded<f64>>,
-    /// x − q, see [`Linearisation`].
+    /// x − q, see [`Linearization`].
     moved: Vec<Padded<T>>,
     /// A.
     pub matrix: BlockCsr<T>,
@@ -67,8 +95,11 @@ impl<T: Scalar> System<T> {
         );
         let zeros = vec![Padded::zero(); shape.vertex_count()];
         Self {
-            triangles: Triangles::new(shape, fabric, inner, &rank, &pattern),
-            hinges: Hinges::new(shape, fabric, inner, &rank, &pattern),
+            terms: Terms {
+                membrane: Triangles::new(shape, fabric, inner, &rank, &pattern),
+                bending: Hinges::new(shape, fabric, inner, &rank, &pattern),
+                others: vec![Box::new(Inertia), Box::new(Gravity), Box::new(AirDrag::new(fabric))],
+            },
             points: vec![Padded::zero(); shape.vertex_count()],
             moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
@@ -78,71 +109,150 @@ impl<T: Scalar> System<T> {
 
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
-        self.triangles.set_fabric(fabric);
-        self.hinges.measure(shape, fabric);
+        self.terms.bending.measure(shape, fabric);
+        self.terms.each_mut().for_each(|term| term.set_fabric(fabric));
     }
 
     /// Takes over a shape of the same elements that measure otherwise.
     pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
-        self.triangles.measure(shape, &ordering.inner);
-        self.hinges.measure(shape, fabric);
+        self.terms.membrane.measure(shape, &ordering.inner);
+        self.terms.bending.measure(shape, fabric);
     }
 
     /// Says that the cloth was mirrored.
     pub fn mirror(&mut self) {
-        self.hinges.mirror();
+        self.terms.bending.mirror();
+    }
+
+    /// All terms but contact.
+    pub(crate) fn terms(&mut self) -> impl Iterator<Item = &mut dyn Term<T>> {
+        self.terms.each_mut()
+    }
+
+    /// Adds a term.
+    #[cfg(test)]
+    pub(crate) fn register(&mut self, term: Box<dyn Term<T>>) {
+        self.terms.others.push(term);
+    }
+
+    /// Sums what `of` says of the terms at `x`.
+    fn sum(&mut self, x: &[DVec3], mut of: impl FnMut(&mut dyn Term<T>, &Trial) -> f64) -> f64 {
+        let Self { terms, points, matrix, .. } = self;
+        let parts = matrix.pattern().parts();
+        for_parts(parts, &mut points[..], &|part: &Part, points| pad(&x[part.rows.clone()], points));
+        let trial = Trial { x, points, parts };
+        terms.each_mut().map(|term| of(term, &trial)).sum()
+    }
+
+    /// Potential at `x` that depends on positions alone, J.
+    pub(crate) fn stored(&mut self, substep: &Substep, x: &[DVec3]) -> f64 {
+        self.sum(x, |term, trial| if term.is_stored() { term.potential(substep, trial) } else { 0.0 })
+    }
+
+    /// The same. A term whose potential has more than this forgets the hidden state that it has it by, and is asked again.
+    pub(crate) fn stored_within(&mut self, limit: f64, substep: &Substep, x: &[DVec3]) -> f64 {
+        self.sum(x, |term, trial| {
+            if !term.is_stored() {
+                return 0.0;
+            }
+            let potential = term.potential(substep, trial);
+            if potential <= limit {
+                return potential;
+            }
+            term.settle(trial);
+            term.potential(substep, trial)
+        })
+    }
+
+    /// Potential at `x` that depends on the substep too, J.
+    pub(crate) fn driven(&mut self, substep: &Substep, x: &[DVec3]) -> f64 {
+        let Self { terms, points, matrix, .. } = self;
+        // No term of these looks at elements.
+        let trial = Trial { x, points, parts: matrix.pattern().parts() };
+        terms.each_mut().filter(|term| !term.is_stored()).map(|term| term.potential(substep, &trial)).sum()
     }
 
     /// Elastic energy at `x`.
-    pub fn energy(&mut self, x: &[DVec3]) -> ElasticEnergy {
-        let parts = self.matrix.pattern().parts();
-        for_parts(parts, &mut self.points[..], &|part: &Part, points| pad(&x[part.rows.clone()], points));
-        let Self { triangles, hinges, points, matrix, .. } = self;
-        let parts = matrix.pattern().parts();
-        ElasticEnergy { membrane: triangles.energy_at(parts, points), bending: hinges.total_energy(parts, points) }
-    }
-
-    /// The same, for those who may not change anything.
-    pub fn energy_at(&self, x: &[DVec3]) -> ElasticEnergy {
+    pub fn energy(&self, x: &[DVec3]) -> ElasticEnergy {
         let mut points = vec![Padded::zero(); x.len()];
         pad(x, &mut points);
         let parts = self.matrix.pattern().parts();
         ElasticEnergy {
-            membrane: self.triangles.energy_at(parts, &points),
-            bending: self.hinges.total_energy_at(parts, &points),
+            membrane: self.terms.membrane.energy_at(parts, &points),
+            bending: self.terms.bending.total_energy_at(parts, &points),
         }
     }
 
     /// Says which vertices are held, so that what is clamped does not bend. (That they do not move is said by
     /// [`Constraints`](super::Constraints).)
     pub fn hold(&mut self, held: &[bool]) {
-        self.hinges.hold(held);
+        self.terms.bending.hold(held);
     }
 
     /// Says that the cloth is at `x` now, whatever was before.
     pub fn settle(&mut self, x: &[DVec3]) {
-        pad(x, &mut self.points);
-        self.hinges.settle(&self.points);
+        self.sum(x, |term, trial| {
+            term.settle(trial);
+            0.0
+        });
     }
 
     /// The vertices that [`hold`](Self::hold) was last told; empty if what is clamped bends as all else.
     pub(crate) fn held(&self) -> &[bool] {
-        self.hinges.held()
+        self.terms.bending.held()
     }
 
-    /// What hinges remember from linearisation to linearisation.
+    /// What hinges remember from linearization to linearization.
     pub(crate) fn turns(&self) -> Vec<T> {
-        self.hinges.turns()
+        self.terms.bending.turns()
     }
 
     /// Puts that back.
     pub(crate) fn set_turns(&mut self, turns: &[T]) {
-        self.hinges.set_turns(turns);
+        self.terms.bending.set_turns(turns);
+    }
+
+    /// Tells for the vertices of each part what terms of single vertices have in A and b, and sums what it returns.
+    pub(crate) fn for_rows<D: Split, R: Merge + Default>(
+        &self,
+        step: &ImplicitStep,
+        masses: &[f64],
+        data: D,
+        work: &(impl Fn(&Part, &mut D, usize, &Row) -> R + Sync),
+    ) -> R {
+        for_parts(self.matrix.pattern().parts(), data, &|part: &Part, mut data| {
+            let mut chunk = [Row::default(); CHUNK];
+            let mut sum = R::default();
+            for first in part.rows.clone().step_by(CHUNK) {
+                let count = CHUNK.min(part.rows.end - first);
+                for (vertex, row) in (first..).zip(self.terms.rows(step, masses, first, &mut chunk[..count])) {
+                    sum = sum.merge(work(part, &mut data, vertex, row));
+                }
+            }
+            sum
+        })
+    }
+
+    /// The move of a cloth that nothing holds as a whole, m: elastic forces have no part in that.
+    pub(crate) fn free_drift(&self, step: &ImplicitStep, masses: &[f64]) -> DVec3 {
+        let [diagonal, x, y, z] = self.for_rows(step, masses, (), &|_, (), _, row: &Row| {
+            let [x, y, z] = row.b.to_array();
+            [row.diagonal, x, y, z]
+        });
+        DVec3::new(x, y, z) / diagonal
+    }
+
+    /// Sum of mass times the move that inertia and drag alone would give a vertex, kg·m: zero at rest.
+    pub(crate) fn inertial_drift(&self, step: &ImplicitStep, masses: &[f64]) -> DVec3 {
+        self.for_rows(step, masses, (), &|_, (), vertex, row: &Row| {
+            let mass = masses[vertex];
+            mass * (mass / row.diagonal * (step.inertial[vertex] - step.x[vertex]))
+        })
     }
 
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        let Self { triangles, hinges, points, moved, matrix, rhs } = self;
+        let Self { terms, points, moved, matrix, rhs } = self;
         let pattern = Arc::clone(matrix.pattern());
         // Relative to the first vertex, as f32 has few digits and only differences count.
         let common = step.x[0] - step.origin[0];
@@ -154,8 +264,9 @@ impl<T: Scalar> System<T> {
                 }
             }
         });
-        let linearisation = Linearisation::new(step, points, moved);
-        hinges.prepare(&linearisation);
+        let linearization = Linearization::new(step, points, moved);
+        terms.each_mut().for_each(|term| term.prepare(&linearization));
+        let terms = &*terms;
         let (diagonal, lower) = matrix.clear();
         for_parts(
             pattern.parts(),
@@ -166,14 +277,19 @@ impl<T: Scalar> System<T> {
                 // Forces first, then b.
                 rhs.fill(Padded::zero());
                 let mut out = Output::new(part, lower, rhs);
-                batch::assemble(&*triangles, &linearisation, &mut out);
-                batch::assemble(&*hinges, &linearisation, &mut out);
-                for (rhs, vertex) in rhs.iter_mut().zip(part.rows.clone()) {
-                    let (inertia, b) = inertia(step, vertex, masses[vertex], DVec3::from(rhs.to_f64()));
-                    let slot = pattern.diagonal(vertex);
-                    let inertia = M3::scaled_identity(T::from_f64(inertia));
-                    diagonal[slot / ROWS - part.slices.start].set_block(slot % ROWS, inertia);
-                    *rhs = Padded::from_f64(b.to_array());
+                terms.each().for_each(|term| term.add_elements(&linearization, &mut out));
+                let square = step.gamma * step.gamma;
+                let mut chunk = [Row::default(); CHUNK];
+                for (rhs, first) in rhs.chunks_mut(CHUNK).zip(part.rows.clone().step_by(CHUNK)) {
+                    let rows = terms.rows(step, masses, first, &mut chunk[..rhs.len()]);
+                    for ((rhs, row), vertex) in rhs.iter_mut().zip(rows).zip(first..) {
+                        let slot = pattern.diagonal(vertex);
+                        let inertia = M3::scaled_identity(T::from_f64(row.diagonal));
+                        diagonal[slot / ROWS - part.slices.start].set_block(slot % ROWS, inertia);
+                        let elastic = DVec3::from(rhs.to_f64());
+                        let b = row.b - row.diagonal * step.drift + square * elastic;
+                        *rhs = Padded::from_f64(b.to_array());
+                    }
                 }
             },
         );
@@ -181,8 +297,9 @@ impl<T: Scalar> System<T> {
         for_parts(pattern.parts(), diagonal, &|part: &Part, BySlice(diagonal)| {
             T::dispatch(SubtractRows { pattern: &pattern, part, lower, diagonal });
         });
-        for term in step.contacts {
-            contacts::add(matrix, rhs, step, term);
+        for stencil in step.stencils {
+            stencils::add_force(rhs, step, stencil);
+            stencils::add_stiffness(matrix, step, stencil);
         }
     }
 }
@@ -191,14 +308,4 @@ fn pad(x: &[DVec3], points: &mut [Padded<f64>]) {
     for (point, x) in points.iter_mut().zip(x) {
         *point = Padded::new(x.to_array());
     }
-}
-
-/// What a vertex of this mass, with this elastic force on it, adds to the diagonal of A, and has as b.
-fn inertia(step: &ImplicitStep, vertex: usize, mass: f64, elastic: DVec3) -> (f64, DVec3) {
-    let x = step.x[vertex];
-    let factor = step.inertia.map_or(1.0, |factors| factors[vertex]);
-    let inertia = factor + step.gamma * step.air_drag;
-    let carried = factor * (step.inertial[vertex] - x) - step.gamma * step.air_drag * (x - step.origin[vertex]);
-    let force = elastic + gravity::force(step.gravity, mass);
-    (mass * inertia, mass * (carried - inertia * step.drift) + step.gamma * step.gamma * force)
 }

@@ -2,12 +2,13 @@
 
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
-use super::implicit_step::{Linearisation, Projection};
+use super::implicit_step::{Linearization, Projection};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, Scalar, V3};
 use crate::physics::mesh::{RestShape, Triangle};
+use crate::physics::terms::{Substep, Term, Trial};
 
 /// All triangles, in batches, the vertices of each in ascending order.
 pub(super) struct Triangles<T> {
@@ -65,11 +66,6 @@ impl<T: Scalar> Triangles<T> {
         }
     }
 
-    /// Changes the material.
-    pub fn set_fabric(&mut self, fabric: &Fabric) {
-        self.constants = constants(fabric);
-    }
-
     /// Elastic energy at `x`, J.
     pub fn energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
         for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x))
@@ -106,6 +102,24 @@ impl<T: Scalar> Triangles<T> {
     }
 }
 
+impl<T: Scalar> Term<T> for Triangles<T> {
+    fn set_fabric(&mut self, fabric: &Fabric) {
+        self.constants = constants(fabric);
+    }
+
+    fn add_elements(&self, at: &Linearization<T>, out: &mut Output<T>) {
+        batch::assemble(self, at, out);
+    }
+
+    fn is_stored(&self) -> bool {
+        true
+    }
+
+    fn potential(&mut self, _: &Substep, at: &Trial) -> f64 {
+        self.energy_at(at.parts, at.points)
+    }
+}
+
 impl<T: Scalar> Elements<T> for Triangles<T> {
     fn batches(&self) -> &[PartBatches] {
         self.batches.parts()
@@ -119,7 +133,7 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
     }
 
     #[inline(always)]
-    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
+    fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearization<T>, out: &mut Output<T>) {
         let rest = self.rest(s, batch);
         let k = self.constants(rest.area);
         let (material, geometric) = (rest.area.splat(at.material), rest.area.splat(at.geometric));

@@ -61,13 +61,12 @@ mod tests {
 
     use super::*;
     use crate::physics::assembly::{ElasticEnergy, Ordering};
-    use crate::physics::cloth::engine::{self, Engine, Step};
-    use crate::physics::cloth::pins::Pins;
     use crate::physics::cloth::snapshot::Remembered;
-    use crate::physics::cloth::{ClothFault, SolverSettings, State, StepOutcome, StepReport};
+    use crate::physics::cloth::{ClothFault, SolverSettings, StepOutcome, StepReport};
     use crate::physics::contact::Pose;
     use crate::physics::material::Fabric;
     use crate::physics::mesh::{RestShape, RestShapeOptions, SurfaceMesh};
+    use crate::physics::step::{self, Engine, Pins, State, Step};
 
     /// Moves everything by 1 m in each substep, and fails in one. For the rest it is as another.
     struct Failing {
@@ -77,17 +76,17 @@ mod tests {
     }
 
     impl Engine for Failing {
-        fn pieces(&mut self, _: Step, _: &State) -> u32 {
+        fn pieces(&mut self, _: &Step) -> u32 {
             4
         }
 
-        fn step(&mut self, _: Step, state: &mut State, _: &mut StepReport) -> Result<(), ClothFault> {
+        fn step(&mut self, _: &Step, _: &mut StepReport) -> Result<(), ClothFault> {
             self.done += 1;
-            if self.done == self.at {
-                return Err(ClothFault::NotFinite);
-            }
+            if self.done == self.at { Err(ClothFault::NotFinite) } else { Ok(()) }
+        }
+
+        fn advance(&mut self, state: &mut State) {
             state.positions.iter_mut().for_each(|x| x.y -= 1.0);
-            Ok(())
         }
 
         fn energy(&self, _: &[DVec3]) -> ElasticEnergy {
@@ -140,7 +139,7 @@ mod tests {
         let ball = Collider { end, ..Collider::fixed(1, SharedShape::ball(0.1), Pose::IDENTITY, 0.5) };
         cloth.set_colliders([ball]).unwrap();
         let failing = |cloth: &Cloth, at| {
-            let inner = engine::new(&cloth.shape, &cloth.fabric, &cloth.settings, &cloth.ordering);
+            let inner = step::new(&cloth.shape, &cloth.fabric, &cloth.settings, &cloth.ordering);
             Box::new(Failing { inner, at, done: 0 })
         };
         cloth.engine = failing(&cloth, 3);

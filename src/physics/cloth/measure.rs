@@ -4,10 +4,10 @@ use bevy::math::DVec3;
 
 use super::Cloth;
 use crate::physics::assembly::ElasticEnergy;
-use crate::physics::energy::gravity;
 use crate::physics::energy::membrane::Rest;
 use crate::physics::math::V3;
 use crate::physics::mesh::RestShape;
+use crate::physics::terms::gravity;
 
 /// Energy of a cloth, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

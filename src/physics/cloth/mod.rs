@@ -1,49 +1,32 @@
 //! A cloth in motion: rest shape, fabric, state, and the step that advances it.
 
 mod colliding;
-mod engine;
-mod implicit;
-mod integrator;
 mod measure;
-mod pins;
 mod quality;
 mod remeasure;
 mod report;
-mod rigid;
-mod safeguard;
-mod scheme;
 mod settings;
 mod shared;
 mod snapshot;
-mod touching;
 
 use bevy::math::{DAffine3, DVec3};
 use bevy::platform::time::Instant;
 
-use self::engine::Engine;
-use self::pins::Pins;
-pub use integrator::Integrator;
 pub use measure::{Energy, Stretch};
 pub use quality::Quality;
 pub use report::{ClothFault, StepOutcome, StepReport};
 pub use settings::{Precision, SettingsError, SolverSettings};
 pub(crate) use shared::Shared;
 pub use snapshot::{Snapshot, SnapshotError};
+pub(super) use snapshot::{Earlier, Remembered, Turns};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;
-use crate::physics::contact::{Collider, Contact, ContactSettings, Surroundings};
+use crate::physics::contact::{Collider, Contact, ContactSettings};
 use crate::physics::material::{Fabric, MaterialError};
 use crate::physics::mesh::RestShape;
-
-/// Positions and velocities of the simulated vertices, in world space.
-#[derive(Clone, Debug)]
-struct State {
-    /// m.
-    positions: Vec<DVec3>,
-    /// m/s.
-    velocities: Vec<DVec3>,
-}
+pub use crate::physics::step::Integrator;
+use crate::physics::step::{self, Engine, Pins, State, World};
 
 /// A simulated cloth, free of any ECS.
 ///
@@ -109,7 +92,7 @@ impl Cloth {
         let shown = State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] };
         let masses = masses(&shape, &fabric);
         let state = State { positions: in_order(&ordering, &shown.positions), velocities: shown.velocities.clone() };
-        let mut engine = engine::new(&shape, &fabric, &settings, &ordering);
+        let mut engine = step::new(&shape, &fabric, &settings, &ordering);
         engine.settle(&state.positions);
         Ok(Self {
             engine,
@@ -169,7 +152,7 @@ impl Cloth {
         if settings.same_engine(&self.settings) {
             self.engine.set_settings(&settings);
         } else {
-            self.engine = engine::new(&self.shape, &self.fabric, &settings, &self.ordering);
+            self.engine = step::new(&self.shape, &self.fabric, &settings, &self.ordering);
             self.engine.settle(&self.state.positions);
         }
         self.settings = settings;
@@ -232,7 +215,7 @@ impl Cloth {
         self.show();
     }
 
-    /// Velocity of the air that [`Fabric::air_drag`] acts against, m/s. Zero at first.
+    /// Changes the velocity of the air that [`Fabric::air_drag`] acts against, m/s. Zero at first.
     pub fn set_wind(&mut self, wind: DVec3) {
         self.wind = wind;
     }
@@ -307,17 +290,20 @@ impl Cloth {
         if !(dt.is_finite() && dt > 0.0) {
             return Err(ClothFault::TimeStep);
         }
-        let Self { ordering, gravity, inner_masses, mass, state, before, pins, colliders, .. } = self;
-        let Self { engine, earlier_contacts, .. } = self;
+        let Self { ordering, inner_masses, state, before, pins, colliders, engine, earlier_contacts, .. } = self;
         earlier_contacts.clear();
-        let settings = self.contact_settings;
-        // Drag is proportional to mass, as gravity is: −α m (v − w).
-        let gravity = *gravity + f64::from(self.fabric.air_drag) * self.wind;
-        let around = |from, to| Surroundings { colliders, settings, from, to };
+        let world = World {
+            masses: inner_masses,
+            mass: self.mass,
+            gravity: self.gravity,
+            wind: self.wind,
+            colliders,
+            contact: self.contact_settings,
+        };
         let least = self.settings.substeps.max(1);
         let taken = in_pool(ordering.part_starts.len(), || {
-            let whole = engine::Step { dt, gravity, masses: inner_masses, mass: *mass, pins, around: around(0.0, 1.0) };
-            let substeps = least.max(engine.pieces(whole, state));
+            let pieces = engine.pieces(&world.substep([0.0, 1.0], dt, false, state, pins));
+            let substeps = least.max(pieces);
             let share = |done| f64::from(done) / f64::from(substeps);
             self.last_share = share(1);
             if substeps > 1 {
@@ -326,11 +312,10 @@ impl Cloth {
             let taken = (1..=substeps).rev().try_for_each(|remaining| {
                 pins.advance(&state.positions, remaining);
                 let done = substeps - remaining;
-                let around = around(share(done), share(done + 1));
-                let dt = dt / f64::from(substeps);
-                let step = engine::Step { dt, gravity, masses: inner_masses, mass: *mass, pins, around };
+                let (shares, dt) = ([share(done), share(done + 1)], dt / f64::from(substeps));
                 report.substeps += 1;
-                engine.step(step, state, report)?;
+                engine.step(&world.substep(shares, dt, pieces > 1, state, pins), report)?;
+                engine.advance(state);
                 if let Some(watch) = watch.as_mut().filter(|_| remaining > 1) {
                     let inner = ordering.inner.iter();
                     watch(share(done + 1), &inner.map(|&vertex| state.positions[vertex as usize]).collect::<Vec<_>>());

@@ -2,8 +2,9 @@
 
 use bevy::math::{DAffine3, DMat3, DVec3};
 
-use super::{Cloth, State};
+use super::Cloth;
 use crate::physics::mesh::{MeshError, RestShapeOptions, SurfaceMesh};
+use crate::physics::step::State;
 
 /// Share of a length by which a map may distort before the turns of mid-edge normals are found anew: the sweeps of the next
 /// steps follow less than that.

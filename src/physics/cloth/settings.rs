@@ -4,10 +4,10 @@ use bevy::reflect::Reflect;
 use bevy::reflect::std_traits::ReflectDefault;
 use thiserror::Error;
 
-use super::Integrator;
 #[cfg(not(feature = "cholesky"))]
 use crate::physics::solve::PreconditionerKind;
 use crate::physics::solve::{SolverKind, Target};
+use crate::physics::step::Integrator;
 
 /// How a step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]

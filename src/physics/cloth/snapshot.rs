@@ -4,13 +4,13 @@ use bevy::math::DVec3;
 use thiserror::Error;
 
 use super::shared::Shared;
-use super::touching::Impact;
 use super::{Cloth, Precision, SolverSettings};
 use crate::physics::assembly::Ordering;
 use crate::physics::contact::{ContactSettings, Memory};
 use crate::physics::material::Fabric;
 use crate::physics::math::Scalar;
 use crate::physics::mesh::RestShape;
+use crate::physics::step::Impact;
 
 /// Raised when what a snapshot holds, or the order that it holds it in, changes.
 const VERSION: u32 = 1;
@@ -40,7 +40,7 @@ pub struct Snapshot {
 /// The part of it that depends on the engine.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Remembered {
+pub(in crate::physics) struct Remembered {
     /// `None` if the next step starts anew.
     pub earlier: Option<Earlier>,
     pub changed: bool,
@@ -58,7 +58,7 @@ pub(super) struct Remembered {
 /// The state before the present one.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Earlier {
+pub(in crate::physics) struct Earlier {
     /// Length of the step from there to here, s.
     pub dt: f64,
     pub positions: Shared<DVec3>,
@@ -68,7 +68,7 @@ pub(super) struct Earlier {
 /// Turns of mid-edge normals, rad, in the precision that they are computed in.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum Turns {
+pub(in crate::physics) enum Turns {
     Single(Shared<f32>),
     Double(Shared<f64>),
 }

@@ -3,7 +3,8 @@
 use bevy::math::DVec3;
 
 use super::find::{Found, free};
-use super::layer::{ContactLayer, Moving, Surroundings};
+use super::layer::{ContactLayer, Surroundings};
+use crate::physics::terms::Substep;
 use super::meeting::Body;
 use super::touch::{Case, Touch};
 
@@ -24,7 +25,7 @@ const DRAWN_BACK: f64 = 0.02;
 
 impl ContactLayer {
     /// Makes a touch of what was found.
-    pub(super) fn begin(&mut self, found: Found, index: usize, body: &Body, around: &Surroundings, moving: &Moving) {
+    pub(super) fn begin(&mut self, found: Found, index: usize, body: &Body, around: &Surroundings, moving: &Substep) {
         let Found { vertices, weights, feature, meeting } = found;
         let Surroundings { colliders, settings, .. } = around;
         let collider = &colliders[index];

@@ -8,7 +8,8 @@ use parry3d::shape::SharedShape;
 use super::features::{Features, of_shape};
 use super::find::{self, Found, Scene};
 use super::known::features_of;
-use super::layer::{ContactLayer, Moving, Surroundings};
+use super::layer::{ContactLayer, Surroundings};
+use crate::physics::terms::Substep;
 use super::meeting::Body;
 use super::touch::{SURFACE, Touch};
 
@@ -32,7 +33,7 @@ pub(super) struct Nearby {
 impl ContactLayer {
     /// How much further than a vertex beside it colliders would push a vertex in a whole step, at most, m; 0 if nothing is pushed
     /// further than `least`. What is pushed on alone is torn about.
-    pub fn shear(&mut self, around: &Surroundings, moving: &Moving, least: f64) -> f64 {
+    pub fn shear(&mut self, around: &Surroundings, moving: &Substep, least: f64) -> f64 {
         if around.colliders.is_empty() {
             return 0.0;
         }
@@ -57,7 +58,7 @@ impl ContactLayer {
     }
 
     /// Notes which colliders are near, and says how long the longest free way is, m.
-    fn look_around(&mut self, around: &Surroundings, moving: &Moving) -> f64 {
+    fn look_around(&mut self, around: &Surroundings, moving: &Substep) -> f64 {
         let Nearby { colliders, room, free, .. } = &mut self.nearby;
         free.clear();
         free.extend((0..moving.x.len()).map(|vertex| find::free(moving, vertex)));
@@ -82,7 +83,7 @@ impl ContactLayer {
     }
 
     /// Finds the touches of a substep.
-    pub fn detect(&mut self, around: &Surroundings, moving: &Moving) {
+    pub fn detect(&mut self, around: &Surroundings, moving: &Substep) {
         self.touches.clear();
         self.room.clear();
         self.room.resize(moving.x.len(), f64::INFINITY);
@@ -160,7 +161,7 @@ impl ContactLayer {
 
     /// Finds what would end inside a collider that it was not seen to come near, after a solve that leads to `end`. Says whether
     /// there was anything.
-    pub fn find_late(&mut self, around: &Surroundings, moving: &Moving, end: impl Fn(usize) -> DVec3) -> bool {
+    pub fn find_late(&mut self, around: &Surroundings, moving: &Substep, end: impl Fn(usize) -> DVec3) -> bool {
         let mut any = false;
         let furthest = self.look_astray(&end);
         let bodies = self.bodies(around, furthest);
@@ -216,13 +217,13 @@ impl ContactLayer {
         &mut self,
         bodies: &[(usize, Body)],
         around: &Surroundings,
-        moving: &Moving,
+        moving: &Substep,
         end: impl Fn(usize) -> DVec3,
     ) -> bool {
         let (mut any, mut found) = (false, Vec::new());
         for &(index, ref body) in bodies {
             // What is round all over is met by vertices, but in an impact.
-            if body.roundness().is_some() && around.is_whole() {
+            if body.roundness().is_some() && !around.is_impact {
                 continue;
             }
             let Some(features) = of_shape(&self.features, &around.colliders[index].shape) else { continue };

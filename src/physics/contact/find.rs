@@ -4,7 +4,8 @@ use bevy::math::DVec3;
 
 use super::between::{Limits, Passing};
 use super::features::Features;
-use super::layer::{Moving, Surroundings};
+use super::layer::Surroundings;
+use crate::physics::terms::Substep;
 use super::meeting::{Body, Meeting};
 use super::surface::Nearest;
 use super::touch::SURFACE;
@@ -34,7 +35,7 @@ pub(super) struct Found {
 
 impl Found {
     /// Whether it came from the free side of what is solid from one side only.
-    pub fn passes(&self, body: &Body, moving: &Moving) -> bool {
+    pub fn passes(&self, body: &Body, moving: &Substep) -> bool {
         let places = self.vertices.iter().zip(self.weights);
         let start: DVec3 = places.map(|(&vertex, weight)| weight * moving.x[vertex as usize]).sum();
         body.is_passed_by(&self.meeting, start)
@@ -62,7 +63,7 @@ impl Faces {
 #[derive(Clone, Copy)]
 pub(super) struct Scene<'a> {
     pub around: &'a Surroundings<'a>,
-    pub moving: &'a Moving<'a>,
+    pub moving: &'a Substep<'a>,
     pub faces: &'a Faces,
 }
 
@@ -89,7 +90,7 @@ impl Near {
 }
 
 /// Where a vertex would go if nothing but gravity acted on it.
-pub(super) fn free(moving: &Moving, vertex: usize) -> DVec3 {
+pub(super) fn free(moving: &Substep, vertex: usize) -> DVec3 {
     moving.x[vertex] + moving.dt * (moving.v[vertex] + moving.dt * moving.gravity)
 }
 

@@ -5,7 +5,8 @@ use bevy::math::DVec3;
 use super::collider::Collider;
 use super::features::of_shape;
 use super::find::{self, Found, Scene};
-use super::layer::{ContactLayer, Moving, Surroundings};
+use super::layer::{ContactLayer, Surroundings};
+use crate::physics::terms::Substep;
 use super::meeting::{Body, Meeting};
 use super::touch::SURFACE;
 
@@ -31,7 +32,7 @@ impl ContactLayer {
     pub fn guard(
         &mut self,
         around: &Surroundings,
-        moving: &Moving,
+        moving: &Substep,
         end: &mut [DVec3],
         velocities: &mut [DVec3],
     ) -> u32 {
@@ -46,7 +47,7 @@ impl ContactLayer {
         rescued
     }
 
-    fn guard_vertices(&mut self, around: &Surroundings, moving: &Moving, ended: &mut Ended) -> u32 {
+    fn guard_vertices(&mut self, around: &Surroundings, moving: &Substep, ended: &mut Ended) -> u32 {
         let Ended { x: end, v: velocities } = ended;
         let mut rescued = 0;
         let furthest = self.look_astray(|vertex| end[vertex]);
@@ -75,7 +76,7 @@ impl ContactLayer {
     }
 
     /// The same between vertices, of what has corners or edges there. Says whether there was anything.
-    fn guard_between(&mut self, around: &Surroundings, moving: &Moving, ended: &mut Ended) -> bool {
+    fn guard_between(&mut self, around: &Surroundings, moving: &Substep, ended: &mut Ended) -> bool {
         let Self { faces, near, nearby, features, found, touches, .. } = self;
         let most = INSIDE * around.settings.thickness;
         let mut any = false;
@@ -87,7 +88,7 @@ impl ContactLayer {
                 let bulges = |side| body.bulge(side) > most;
                 bulges(find::MOST_STRETCHED * faces.longest) && bulges(faces.longest_at(ended.x))
             } else {
-                !around.is_whole() || touches.iter().any(|touch| touch.collider == index && touch.feature != SURFACE)
+                around.is_impact || touches.iter().any(|touch| touch.collider == index && touch.feature != SURFACE)
             };
             if !may_be_inside {
                 continue;
@@ -97,7 +98,7 @@ impl ContactLayer {
             let still = Collider { start: last, end: last, ..collider.clone() };
             let there = Body::new(&still, 0.0, 1.0);
             for _ in 0..LOOKS {
-                let resting = Moving { x: ended.x, v: ended.v, ..*moving };
+                let resting = Substep { x: ended.x, v: ended.v, ..*moving };
                 let scene = Scene { around, moving: &resting, faces };
                 find::ending(&there, scene, near, |vertex| resting.x[vertex]);
                 find::between(&there, features, scene, near, most, |place| found.push(place));
@@ -118,7 +119,7 @@ impl ContactLayer {
 
 impl Ended<'_> {
     /// Moves a place of the cloth out that is inside by more than `most` (m); says whether it was.
-    fn move_out(&mut self, place: &Found, most: f64, body: &Body, moving: &Moving) -> bool {
+    fn move_out(&mut self, place: &Found, most: f64, body: &Body, moving: &Substep) -> bool {
         let Found { vertices, weights, meeting: Meeting { normal, surface, .. }, .. } = *place;
         let corners = vertices.map(|vertex| vertex as usize).into_iter().zip(weights);
         let of = |points: &[DVec3]| corners.clone().map(|(vertex, weight)| weight * points[vertex]).sum::<DVec3>();

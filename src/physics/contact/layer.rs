@@ -12,7 +12,6 @@ use super::find::{Faces, Found, Near};
 use super::meeting::Body;
 use super::memory::{Memories, Memory};
 use super::touch::{Case, Touch};
-use crate::physics::assembly::ContactTerm;
 use crate::physics::material::Fabric;
 
 /// What the touches need to know of a substep. All vertices are numbered as the engine does.
@@ -20,27 +19,18 @@ use crate::physics::material::Fabric;
 pub(crate) struct Surroundings<'a> {
     pub colliders: &'a [Collider],
     pub settings: ContactSettings,
+    /// Whether the step is taken in more substeps than its settings ask for, because something comes in fast.
+    pub is_impact: bool,
     /// The substep as shares of the way of the colliders.
     pub from: f64,
     pub to: f64,
 }
 
 impl Surroundings<'_> {
-    /// Whether the substep is the whole step: in an impact there are several.
+    /// Whether the substep is the whole step.
     pub fn is_whole(&self) -> bool {
         self.from == 0.0 && self.to == 1.0
     }
-}
-
-/// State of the substep that touches are found for.
-#[derive(Clone, Copy)]
-pub(crate) struct Moving<'a> {
-    pub x: &'a [DVec3],
-    pub v: &'a [DVec3],
-    pub held: &'a [bool],
-    pub masses: &'a [f64],
-    pub gravity: DVec3,
-    pub dt: f64,
 }
 
 /// The touches of one cloth.
@@ -60,7 +50,6 @@ pub(crate) struct ContactLayer {
     /// Vertices that ended further.
     pub(super) astray: Vec<u32>,
     pub(super) found: Vec<Found>,
-    terms: Vec<ContactTerm>,
     /// Stiffness of the fabric, N/m.
     pub(super) fabric: f64,
 }
@@ -123,15 +112,6 @@ impl ContactLayer {
         self.touches.iter().any(Touch::is_active)
     }
 
-    /// The terms of A and b, linearised at these points.
-    pub fn terms(&mut self, points: &[DVec3]) -> &[ContactTerm] {
-        let Self { touches, terms, .. } = self;
-        terms.clear();
-        let active = touches.iter_mut().filter(|touch| touch.is_active());
-        terms.extend(active.map(|touch| touch.term(touch.point(points))));
-        terms
-    }
-
     /// Judges every touch by where a solve led, and says what forces were wrong, as a share of those that are right.
     pub fn judge(&mut self, points: impl Fn(usize) -> DVec3) -> f64 {
         let (mut wrong, mut right) = (0.0, 0.0);
@@ -155,21 +135,6 @@ impl ContactLayer {
         for touch in &mut self.touches {
             touch.choose(touch.point(points));
         }
-    }
-
-    /// Potential of all touches, J.
-    pub fn potential(&self, points: &[DVec3]) -> f64 {
-        self.touches.iter().map(|touch| touch.potential(touch.point(points))).sum()
-    }
-
-    /// Work that colliders did on the cloth on its way from `x` to `y`, counting none that they took, J.
-    pub fn work(&self, x: &[DVec3], y: &[DVec3]) -> f64 {
-        let done = |touch: &Touch| {
-            let way = touch.point(y) - touch.point(x);
-            let along = touch.normal.dot(way) * touch.normal.dot(touch.acted);
-            along.max(0.0) + (touch.acted.dot(way) - along).max(0.0)
-        };
-        self.touches.iter().map(done).sum()
     }
 
     /// Takes what the potential says at these points for the forces of the substep.

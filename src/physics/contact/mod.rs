@@ -3,7 +3,7 @@
 //! [`Collider`] (a shape that moves from one pose to another), and its corners and edges (`features`) → which vertices and triangles
 //! come near it (`detect`, `find`) → where a vertex meets its surface (`surface`, `meeting`) and a triangle what is between its
 //! vertices (`between`) → a `Touch` that begins with what is remembered of it (`begin`, `memory`), with its law of force (`touch`) →
-//! one [`ContactTerm`](crate::physics::assembly::ContactTerm) of A and b each, judged after every solve (`layer`); what ends inside all the same
+//! one [`Stencil`](crate::physics::assembly::Stencil) of A and b each (`term`), judged after every solve (`layer`); what ends inside all the same
 //! is moved out (`guard`).
 
 mod begin;
@@ -19,6 +19,7 @@ mod meeting;
 mod memory;
 mod sheet;
 mod surface;
+mod term;
 mod touch;
 
 use bevy::math::DVec3;
@@ -26,7 +27,7 @@ use parry3d::shape::SharedShape;
 
 pub(crate) use collider::merged;
 pub use collider::{Collider, ColliderError, Contact, ContactSettings, ContactSettingsError, Pose};
-pub(crate) use layer::{ContactLayer, Moving, Surroundings};
+pub(crate) use layer::{ContactLayer, Surroundings};
 pub(crate) use memory::Memory;
 pub(crate) use sheet::is_sheet;
 

@@ -3,11 +3,11 @@
 //! Along the normal n acts `N = λ + k (o − n·x)`, where it pushes, and along the surface friction `T = τ − k u`, where
 //! `|T| ≤ μ N`, with u the slip since the step began. λ and τ are the forces of the step before (Simo & Laursen 1992): so at rest
 //! nothing has to be displaced for a force to be there, however soft the springs, and nothing creeps. Which of the cases holds for
-//! a touch is decided where the step is linearised and judged again by where it leads.
+//! a touch is decided where the step is linearized and judged again by where it leads.
 
 use bevy::math::{DMat3, DVec3};
 
-use crate::physics::assembly::ContactTerm;
+use crate::physics::assembly::Stencil;
 
 /// Share of the thickness that may be missing to what was not in touch.
 const DEEP: f64 = 0.3;
@@ -161,13 +161,14 @@ impl Touch {
         self.acted = self.force;
     }
 
-    /// Its part in A and b, linearised with the point at `x`.
-    pub fn term(&mut self, x: DVec3) -> ContactTerm {
+    /// Its part in A and b, linearized with the point at `x`.
+    pub fn stencil(&mut self, x: DVec3) -> Stencil {
         if !self.steady {
             self.drag = (self.limit() / self.expected.max(f64::MIN_POSITIVE)).min(self.stiffness);
         }
         let (force, stiffness) = self.law(x);
-        ContactTerm { vertices: self.vertices, weights: self.weights, force, stiffness }
+        let ([a, b, c], [u, v, w]) = (self.vertices, self.weights);
+        Stencil { vertices: [a, b, c, a], weights: [u, v, w, 0.0], force, stiffness }
     }
 
     /// Takes note of where the solve led, and says how much force was wrong because another case holds there, N.
@@ -286,14 +287,14 @@ pub(super) mod tests {
         let cases = places.map(|x| {
             let mut touch = touch();
             touch.choose(x);
-            let term = touch.term(x);
+            let term = touch.stencil(x);
             let h = 1e-8;
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 let difference = (touch.potential(x - h * axis) - touch.potential(x + h * axis)) / (2.0 * h);
                 // Friction has no potential along the normal: its limit lags.
                 assert!((difference - term.force.dot(axis)).abs() < 1e-6, "{x}: {difference} {}", term.force);
                 if touch.case == Case::Stick {
-                    let bend = (touch.term(x - h * axis).force - touch.term(x + h * axis).force) / (2.0 * h);
+                    let bend = (touch.stencil(x - h * axis).force - touch.stencil(x + h * axis).force) / (2.0 * h);
                     assert!(bend.distance(term.stiffness * axis) < 1e-3, "{bend}");
                 }
             }
@@ -314,7 +315,7 @@ pub(super) mod tests {
         let mut excess = f64::INFINITY;
         for _ in 0..8 {
             touch.case = if touch.case == Case::Apart { Case::Stick } else { touch.case };
-            let term = touch.term(begin);
+            let term = touch.stencil(begin);
             let along = (load + term.force).x / (mass + term.stiffness.x_axis.x);
             excess = touch.judge(begin + DVec3::X * along);
         }

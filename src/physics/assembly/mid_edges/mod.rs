@@ -1,6 +1,6 @@
 //! The turns of the mid-edge normals of a cloth, and the moments that follow.
 //!
-//! A turn is no unknown of the linear system: before the forces are linearised, a few damped Jacobi sweeps bring the turns from where
+//! A turn is no unknown of the linear system: before the forces are linearized, a few damped Jacobi sweeps bring the turns from where
 //! they were in the step before to the minimum of the energy, and the moments found there take the place of those of plain hinges.
 //!
 //! Edges stand in packs of [`ROWS`], hinges in the order of their batches, part by part, then the edges without hinge.
@@ -22,7 +22,7 @@ use crate::physics::mesh::RestShape;
 
 /// Damping of the sweeps: below 2/3 they converge on any mesh, as P of a triangle is at most three times its diagonal.
 const RELAXATION: f64 = 0.6;
-/// Sweeps before a linearisation.
+/// Sweeps before a linearization.
 const SWEEPS: u32 = 2;
 /// Sweeps when the turns of the step before say nothing.
 const SWEEPS_FROM_NOTHING: u32 = 60;

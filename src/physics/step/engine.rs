@@ -2,36 +2,21 @@
 
 use bevy::math::{DAffine3, DVec3};
 
-use super::implicit::Implicit;
-use super::pins::Pins;
-use super::snapshot::Remembered;
-use super::{ClothFault, Precision, SolverSettings, State, StepReport};
+use super::{Pins, State, Step, Stepper};
 use crate::physics::assembly::{ElasticEnergy, Ordering};
-use crate::physics::contact::{Contact, Surroundings};
+use crate::physics::cloth::{ClothFault, Precision, Remembered, SolverSettings, StepReport};
+use crate::physics::contact::Contact;
 use crate::physics::material::Fabric;
 use crate::physics::mesh::RestShape;
 
-/// What a step needs beside the state.
-#[derive(Clone, Copy)]
-pub(super) struct Step<'a> {
-    /// s.
-    pub dt: f64,
-    /// m/s².
-    pub gravity: DVec3,
-    /// kg.
-    pub masses: &'a [f64],
-    /// All of them together, kg.
-    pub mass: f64,
-    pub pins: &'a Pins,
-    pub around: Surroundings<'a>,
-}
-
 /// The part of a cloth that depends on the precision.
-pub(super) trait Engine: Send + Sync {
+pub(in crate::physics) trait Engine: Send + Sync {
     /// Substeps that a step should be taken in, as fast as things come in.
-    fn pieces(&mut self, step: Step, state: &State) -> u32;
-    /// Advances the state, which changes only if the step succeeds.
-    fn step(&mut self, step: Step, state: &mut State, report: &mut StepReport) -> Result<(), ClothFault>;
+    fn pieces(&mut self, step: &Step) -> u32;
+    /// Takes a substep.
+    fn step(&mut self, step: &Step, report: &mut StepReport) -> Result<(), ClothFault>;
+    /// Advances `state` to where the last substep led, and remembers it as earlier.
+    fn advance(&mut self, state: &mut State);
     /// Elastic energy at these positions.
     fn energy(&self, positions: &[DVec3]) -> ElasticEnergy;
     /// Changes the material.
@@ -61,14 +46,14 @@ pub(super) trait Engine: Send + Sync {
 }
 
 /// The engine of these settings. Its vertices are numbered as `ordering` says.
-pub(super) fn new(
+pub(in crate::physics) fn new(
     shape: &RestShape,
     fabric: &Fabric,
     settings: &SolverSettings,
     ordering: &Ordering,
 ) -> Box<dyn Engine> {
     match settings.precision {
-        Precision::Single => Box::new(Implicit::<f32>::new(shape, fabric, settings, ordering)),
-        Precision::Double => Box::new(Implicit::<f64>::new(shape, fabric, settings, ordering)),
+        Precision::Single => Box::new(Stepper::<f32>::new(shape, fabric, settings, ordering)),
+        Precision::Double => Box::new(Stepper::<f64>::new(shape, fabric, settings, ordering)),
     }
 }

@@ -4,7 +4,7 @@ use bevy::math::{DAffine3, DVec3};
 
 /// Which vertices are held, and where each will be.
 #[derive(Clone, Debug)]
-pub(super) struct Pins {
+pub(in crate::physics) struct Pins {
     held: Vec<bool>,
     /// By vertex: which of `pins` holds it, if it is held.
     pin_of: Vec<u32>,
