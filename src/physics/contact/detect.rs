@@ -115,7 +115,8 @@ impl ContactLayer {
             find::vertices(&body, scene, free, looked.then_some(&mut *near), room, |vertex| found.push(vertex));
             if looked {
                 let vertices = found.len();
-                find::between(&body, features, scene, near, find::bulge(&body, scene), |place| found.push(place));
+                let most = |triangle: &[u32; 3]| find::bulge(&body, scene, triangle);
+                find::between(&body, features, scene, near, most, |place| found.push(place));
                 // Vertices are last among what is put onto planes: theirs hold exactly then.
                 if found.len() > vertices {
                     find::distinct(&mut found);
@@ -167,8 +168,8 @@ impl ContactLayer {
         let bodies = self.bodies(around, furthest);
         let astray = core::mem::take(&mut self.astray);
         for &(index, ref body) in &bodies {
-            let limits = find::limits(body, Scene { around, moving, faces: &self.faces });
             for vertex in astray.iter().map(|&vertex| vertex as usize) {
+                let limits = find::limits(body, Scene { around, moving, faces: &self.faces }, vertex);
                 let end = end(vertex);
                 let way = body.local(moving.x[vertex], end);
                 let travel = way[0].distance(way[1]);
@@ -232,7 +233,8 @@ impl ContactLayer {
                 continue;
             }
             find::ending(body, scene, &mut self.near, &end);
-            find::between(body, features, scene, &self.near, find::bulge(body, scene), |place| found.push(place));
+            let most = |triangle: &[u32; 3]| find::bulge(body, scene, triangle);
+            find::between(body, features, scene, &self.near, most, |place| found.push(place));
             find::distinct(&mut found);
             for found in found.drain(..) {
                 let places = found.vertices.iter().zip(found.weights);

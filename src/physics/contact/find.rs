@@ -5,10 +5,10 @@ use bevy::math::DVec3;
 use super::between::{Limits, Passing};
 use super::features::Features;
 use super::layer::Surroundings;
-use crate::physics::terms::Substep;
 use super::meeting::{Body, Meeting};
 use super::surface::Nearest;
 use super::touch::SURFACE;
+use crate::physics::terms::Substep;
 
 /// Points are watched which come as near as so many thicknesses.
 pub(super) const REACH: f64 = 2.0;
@@ -46,11 +46,31 @@ impl Found {
 #[derive(Default)]
 pub(super) struct Faces {
     pub triangles: Vec<[u32; 3]>,
-    /// Length of the longest side at rest, m.
+    /// By vertex: length of the longest side that it is an end of, at rest, m.
+    sides: Vec<f64>,
+    /// Length of the longest side of all at rest, m.
     pub longest: f64,
 }
 
 impl Faces {
+    /// Of these triangles, with the longest side of each vertex at rest, m.
+    pub fn new(triangles: Vec<[u32; 3]>, sides: Vec<f64>) -> Self {
+        let mut faces = Self { triangles, ..Self::default() };
+        faces.measure(sides);
+        faces
+    }
+
+    /// Changes the longest sides of vertices at rest, m.
+    pub fn measure(&mut self, sides: Vec<f64>) {
+        self.longest = sides.iter().copied().fold(0.0, f64::max);
+        self.sides = sides;
+    }
+
+    /// Length of the longest side at the corners of a triangle at rest, m.
+    fn longest_around(&self, triangle: &[u32; 3]) -> f64 {
+        triangle.iter().map(|&vertex| self.sides[vertex as usize]).fold(0.0, f64::max)
+    }
+
     /// Length of the longest side with the vertices at these places, m.
     pub fn longest_at(&self, x: &[DVec3]) -> f64 {
         let corners = self.triangles.iter().map(|triangle| triangle.map(|vertex| x[vertex as usize]));
@@ -99,27 +119,39 @@ pub(super) fn reach(around: &Surroundings) -> f64 {
     around.settings.reach()
 }
 
-/// How much further off a round collider vertices keep, so that what is between them keeps off as far as a thickness allows, m.
-fn lift(body: &Body, scene: Scene) -> f64 {
+/// How much further off a round collider a vertex keeps that has a side of this length (m), so that what is between vertices keeps off
+/// as far as a thickness allows, m.
+fn lift(body: &Body, scene: Scene, side: f64) -> f64 {
     let thickness = scene.around.settings.thickness;
-    (body.bulge(STRETCHED * scene.faces.longest) - BULGE * thickness).clamp(0.0, LIFT * thickness)
+    (body.bulge(STRETCHED * side) - BULGE * thickness).clamp(0.0, LIFT * thickness)
 }
 
-/// How far off a collider vertices keep, and how near they are watched, m.
-pub(super) fn limits(body: &Body, scene: Scene) -> [f64; 2] {
-    let (thickness, lift) = (scene.around.settings.thickness, lift(body, scene));
+/// How far off a collider a vertex keeps, and how near it is watched, m.
+pub(super) fn limits(body: &Body, scene: Scene, vertex: usize) -> [f64; 2] {
+    limits_of_side(body, scene, scene.faces.sides[vertex])
+}
+
+/// The same for the vertex that keeps furthest off.
+fn most_limits(body: &Body, scene: Scene) -> [f64; 2] {
+    limits_of_side(body, scene, scene.faces.longest)
+}
+
+fn limits_of_side(body: &Body, scene: Scene, side: f64) -> [f64; 2] {
+    let (thickness, lift) = (scene.around.settings.thickness, lift(body, scene, side));
     [thickness + lift, REACH * thickness + lift]
 }
 
-/// How far an arc may be over its chord where both ends keep off as far as vertices do, m.
-pub(super) fn bulge(body: &Body, scene: Scene) -> f64 {
-    BULGE * scene.around.settings.thickness + lift(body, scene)
+/// How far an arc of a triangle may be over its chord where both ends keep off as far as vertices do, m.
+pub(super) fn bulge(body: &Body, scene: Scene, triangle: &[u32; 3]) -> f64 {
+    let sides = triangle.map(|vertex| scene.faces.sides[vertex as usize]);
+    BULGE * scene.around.settings.thickness + lift(body, scene, sides.into_iter().fold(f64::INFINITY, f64::min))
 }
 
 /// Whether there may be anything between vertices: not where a fine cloth lies on something smooth.
 pub(super) fn may_be_between(body: &Body, scene: Scene) -> bool {
     let side = MOST_STRETCHED * scene.faces.longest;
-    body.roundness().is_none_or(|radius| 2.0 * radius < side || body.bulge(side) > bulge(body, scene))
+    let allowed = BULGE * scene.around.settings.thickness + lift(body, scene, scene.faces.longest);
+    body.roundness().is_none_or(|radius| 2.0 * radius < side || body.bulge(side) > allowed)
 }
 
 /// Finds vertices near the surface. Takes down where it is nearest to each that is not far, if there is a place for that, and how much
@@ -132,12 +164,13 @@ pub(super) fn vertices(
     room: &mut [f64],
     mut then: impl FnMut(Found),
 ) {
-    let (limits, moving) = (limits(body, scene), scene.moving);
-    let aside = if near.is_some() { aside(body, scene) } else { limits[1] };
+    let moving = scene.moving;
+    let aside = if near.is_some() { aside(body, scene) } else { most_limits(body, scene)[1] };
     if let Some(near) = &mut near {
         near.clear();
     }
     for (vertex, room) in room.iter_mut().enumerate() {
+        let limits = limits(body, scene, vertex);
         let looked = look(body, moving.x[vertex], free[vertex], aside);
         if let Some(near) = &mut near {
             near.push(looked.map_or(Near::FAR, |(_, found)| found));
@@ -172,7 +205,7 @@ pub(super) fn ending(body: &Body, scene: Scene, near: &mut Vec<Near>, end: impl 
 
 /// How far off a collider a vertex is near: as far as a triangle of it can reach, stretched to twice its sides, m.
 fn aside(body: &Body, scene: Scene) -> f64 {
-    limits(body, scene)[1] + 2.0 * scene.faces.longest
+    most_limits(body, scene)[1] + 2.0 * scene.faces.longest
 }
 
 /// Where a vertex begins its way and where the surface is nearest to its end, if it may be near; else how far it is at least, m.
@@ -194,9 +227,9 @@ pub(super) fn distinct(found: &mut Vec<Found>) {
 
 /// Adds how far vertices that go further than `least` would be pushed out of what is kept free, m.
 pub(super) fn pushes(body: &Body, scene: Scene, free: &[DVec3], least: f64, pushes: &mut [DVec3]) {
-    let (limits, moving) = (limits(body, scene), scene.moving);
+    let moving = scene.moving;
     for vertex in (0..moving.x.len()).filter(|&vertex| !moving.held[vertex]) {
-        let end = free[vertex];
+        let (end, limits) = (free[vertex], limits(body, scene, vertex));
         let way = body.local(moving.x[vertex], end);
         if way[0].distance_squared(way[1]) > least * least
             && let Ok(meeting) =
@@ -213,7 +246,7 @@ pub(super) fn between(
     features: &Features,
     scene: Scene,
     near: &[Near],
-    most: f64,
+    most: impl Fn(&[u32; 3]) -> f64,
     mut then: impl FnMut(Found),
 ) {
     let Scene { around, moving, faces } = scene;
@@ -221,7 +254,7 @@ pub(super) fn between(
     let reach = REACH * thickness;
     let limits = Limits { thickness, reach, deepest: features.core.min(DEEPEST * thickness) };
     // How far a side goes into a surface that turns by an angle along it, as an arc over its chord; both squared.
-    let bulges = |turn: f64, side: f64| turn * side > (8.0 * most) * (8.0 * most);
+    let bulges = |turn: f64, side: f64, most: f64| turn * side > (8.0 * most) * (8.0 * most);
     let fast = faces.longest.max(limits.reach);
     for triangle in &faces.triangles {
         let corners = triangle.map(|vertex| &near[vertex as usize]);
@@ -234,9 +267,10 @@ pub(super) fn between(
         }
         let sides = [0, 1, 2].map(|i| [corners[i], corners[(i + 1) % 3]]);
         let longest = most_of(sides.map(|[a, b]| a.end.distance_squared(b.end)));
-        let side = longest.max(faces.longest * faces.longest);
+        let at_rest = faces.longest_around(triangle);
+        let (side, most) = (longest.max(at_rest * at_rest), most(triangle));
         let turn = most_of(sides.map(|[a, b]| a.nearest.normal.distance_squared(b.nearest.normal)));
-        if travel < fast && !bulges(turn, side) {
+        if travel < fast && !bulges(turn, side, most) {
             continue;
         }
         if triangle.iter().all(|&vertex| moving.held[vertex as usize]) {
@@ -247,7 +281,7 @@ pub(super) fn between(
         let [low, high] = passing.bounds(limits.reach);
         features.near(low, high, |index, feature| {
             let turn = feature.angle.min(side.sqrt() / feature.radius.max(f64::MIN_POSITIVE));
-            if !bulges(turn * turn, side) {
+            if !bulges(turn * turn, side, most) {
                 return;
             }
             passing.meet(feature, limits, |between| {

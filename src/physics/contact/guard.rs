@@ -101,7 +101,7 @@ impl ContactLayer {
                 let resting = Substep { x: ended.x, v: ended.v, ..*moving };
                 let scene = Scene { around, moving: &resting, faces };
                 find::ending(&there, scene, near, |vertex| resting.x[vertex]);
-                find::between(&there, features, scene, near, most, |place| found.push(place));
+                find::between(&there, features, scene, near, |_| most, |place| found.push(place));
                 find::distinct(found);
                 let mut moved = false;
                 for place in found.drain(..) {

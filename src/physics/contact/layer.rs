@@ -55,9 +55,9 @@ pub(crate) struct ContactLayer {
 }
 
 impl ContactLayer {
-    /// For a cloth of these triangles, whose longest side is so many metres at rest.
-    pub fn new(fabric: &Fabric, triangles: Vec<[u32; 3]>, longest: f64) -> Self {
-        let mut layer = Self { faces: Faces { triangles, longest }, ..Self::default() };
+    /// For a cloth of these triangles, with the longest side that each vertex is an end of at rest, m.
+    pub fn new(fabric: &Fabric, triangles: Vec<[u32; 3]>, sides: Vec<f64>) -> Self {
+        let mut layer = Self { faces: Faces::new(triangles, sides), ..Self::default() };
         layer.set_fabric(fabric);
         layer
     }
@@ -67,9 +67,9 @@ impl ContactLayer {
         self.fabric = f64::from(fabric.warp_stiffness.max(fabric.weft_stiffness));
     }
 
-    /// Changes the length of the longest side of a triangle at rest, m.
-    pub fn set_longest_side(&mut self, longest: f64) {
-        self.faces.longest = longest;
+    /// Changes the longest side that each vertex is an end of at rest, m.
+    pub fn measure(&mut self, sides: Vec<f64>) {
+        self.faces.measure(sides);
     }
 
     /// Length of the longest side of a triangle at rest, m.

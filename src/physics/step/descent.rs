@@ -194,7 +194,7 @@ impl<T: Scalar> Descent<'_, '_, T> {
             let potential = Reached::new(terms, step, positions);
             let phi = potential.phi(terms.parts(), step, positions) + terms.substep_potential(positions);
             if phi <= from.phi + DECREASE * share * slope.min(0.0) + if share < LEAST_SHARE { 0.0 } else { slack } {
-                return Some(Lower { phi, potential, rescues: from.rescues + rescues });
+                return Some(Lower { phi, potential, rescues: rescues.max(from.rescues) });
             }
             share *= 0.5;
         }

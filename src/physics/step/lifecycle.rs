@@ -3,7 +3,7 @@
 use bevy::math::{DAffine3, DMat3, DVec3};
 
 use super::plan::Impact;
-use super::terms::longest_side;
+use super::terms::longest_sides;
 use super::{Engine, History, Pins, State, Step, Stepper};
 use crate::physics::assembly::{ElasticEnergy, Ordering};
 use crate::physics::cloth::{ClothFault, Earlier, Remembered, SolverSettings, StepReport, Turns};
@@ -43,7 +43,7 @@ impl<T: Scalar> Engine for Stepper<T> {
 
     fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
         self.terms.system.measure(shape, fabric, ordering);
-        self.terms.contact.set_longest_side(longest_side(shape));
+        self.terms.contact.measure(longest_sides(shape, ordering));
         self.account.stored = None;
     }
 

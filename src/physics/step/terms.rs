@@ -65,14 +65,17 @@ impl<T: Scalar> Terms<T> {
 /// The contacts of a cloth whose vertices are numbered as `ordering` says.
 pub(super) fn contact(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -> ContactLayer {
     let triangles = shape.triangles.iter().map(|triangle| triangle.vertices.map(|v| ordering.inner[v as usize]));
-    ContactLayer::new(fabric, triangles.collect(), longest_side(shape))
+    ContactLayer::new(fabric, triangles.collect(), longest_sides(shape, ordering))
 }
 
-/// Length of the longest side of a triangle at rest, m.
-pub(super) fn longest_side(shape: &RestShape) -> f64 {
-    let squares = shape.edges.iter().map(|[a, b]| {
-        let [a, b] = [a, b].map(|&vertex| shape.positions[vertex as usize]);
-        a.distance_squared(b)
-    });
-    squares.fold(0.0, f64::max).sqrt()
+/// By vertex, as `ordering` numbers them: length of the longest side that it is an end of at rest, m.
+pub(super) fn longest_sides(shape: &RestShape, ordering: &Ordering) -> Vec<f64> {
+    let mut sides = vec![0.0_f64; shape.positions.len()];
+    for &[a, b] in &shape.edges {
+        let length = shape.positions[a as usize].distance(shape.positions[b as usize]);
+        for vertex in [a, b].map(|vertex| ordering.inner[vertex as usize] as usize) {
+            sides[vertex] = sides[vertex].max(length);
+        }
+    }
+    sides
 }
