@@ -356,7 +356,7 @@ mod tests {
         let slice = pattern.slices()[1];
         assert_eq!((slice.inner - slice.crossing, slice.end - slice.inner), (2, 1));
         let incoming: Vec<_> = pattern.incoming().iter().map(|c| (c.column, c.row)).collect();
-        assert_eq!(incoming, [(0, 2), (1, 2), (1, 3)]);
+        assert_eq!(incoming, [(0, 2), (1, 3), (1, 2)]);
         assert_eq!([&pattern.parts()[0].incoming, &pattern.parts()[1].incoming], [&(0..3), &(3..3)]);
         assert!(pattern.incoming().iter().all(|c| pattern.slot(c.row, c.column) == Some(c.slot)));
     }
