@@ -5,8 +5,9 @@ use std::sync::Arc;
 use bevy::math::DVec3;
 
 use super::batch::Output;
+use super::bending_hessian::BendingHessian;
 use super::hinges::Hinges;
-use super::implicit_step::{ImplicitStep, Linearization};
+use super::implicit_step::{ImplicitStep, Linearization, Places};
 use super::ordering::along;
 use super::parts::{ByGroup, BySlice, Merge, Part, Split, for_parts};
 use super::row_sums::SubtractRows;
@@ -14,7 +15,7 @@ use super::stencils;
 use super::triangles::Triangles;
 use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Padded, ROWS, Scalar};
+use crate::physics::math::{M3, Pack, Padded, ROWS, Scalar};
 use crate::physics::mesh::RestShape;
 use crate::physics::terms::{AirDrag, Gravity, Inertia, Row, Substep, Term, Trial};
 
@@ -66,8 +67,13 @@ impl<T: Scalar> Terms<T> {
 /// The linear system of a cloth: terms, and the storage of A and b. All vertices are numbered as its ordering says.
 pub struct System<T: Scalar> {
     terms: Terms<T>,
+    bending_hessian: BendingHessian<T>,
     /// x, where the cloth is to be linearized or measured, m.
     points: Vec<Padded<f64>>,
+    /// x relative to `middle`, see [`Places`], m.
+    local: Vec<Padded<T>>,
+    /// A vertex in the middle of the longest way through the cloth.
+    middle: usize,
     /// x − q, see [`Linearization`].
     moved: Vec<Padded<T>>,
     /// A.
@@ -83,7 +89,8 @@ impl<T: Scalar> System<T> {
         let triangles: Vec<_> = shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect();
         let hinges: Vec<_> = shape.bending_hinges().iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
         let mut rank = vec![0; shape.vertex_count()];
-        for (place, vertex) in along(&shape.positions).into_iter().enumerate() {
+        let along = along(&shape.positions);
+        for (place, &vertex) in along.iter().enumerate() {
             rank[inner[vertex as usize] as usize] = place as u32;
         }
         let pattern = BlockPattern::new(
@@ -94,13 +101,17 @@ impl<T: Scalar> System<T> {
             hinges.iter().map(|vertices| &vertices[..]),
         );
         let zeros = vec![Padded::zero(); shape.vertex_count()];
+        let bending = Hinges::new(shape, fabric, inner, &rank, &pattern);
         Self {
+            bending_hessian: BendingHessian::new(&bending, &pattern),
             terms: Terms {
                 membrane: Triangles::new(shape, fabric, inner, &rank, &pattern),
-                bending: Hinges::new(shape, fabric, inner, &rank, &pattern),
+                bending,
                 others: vec![Box::new(Inertia), Box::new(Gravity), Box::new(AirDrag::new(fabric))],
             },
             points: vec![Padded::zero(); shape.vertex_count()],
+            local: zeros.clone(),
+            middle: along.get(along.len() / 2).map_or(0, |&vertex| inner[vertex as usize] as usize),
             moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
@@ -109,14 +120,19 @@ impl<T: Scalar> System<T> {
 
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
-        self.terms.bending.measure(shape, fabric);
+        self.measure_hinges(shape, fabric);
         self.terms.each_mut().for_each(|term| term.set_fabric(fabric));
     }
 
     /// Takes over a shape of the same elements that measure otherwise.
     pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
         self.terms.membrane.measure(shape, &ordering.inner);
+        self.measure_hinges(shape, fabric);
+    }
+
+    fn measure_hinges(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.terms.bending.measure(shape, fabric);
+        self.bending_hessian.measure(&self.terms.bending, self.matrix.pattern());
     }
 
     /// Says that the cloth was mirrored.
@@ -136,11 +152,11 @@ impl<T: Scalar> System<T> {
     }
 
     /// Sums what `of` says of the terms at `x`.
-    fn sum(&mut self, x: &[DVec3], mut of: impl FnMut(&mut dyn Term<T>, &Trial) -> f64) -> f64 {
-        let Self { terms, points, matrix, .. } = self;
+    fn sum(&mut self, x: &[DVec3], mut of: impl FnMut(&mut dyn Term<T>, &Trial<T>) -> f64) -> f64 {
+        let Self { terms, points, local, middle, matrix, .. } = self;
         let parts = matrix.pattern().parts();
-        for_parts(parts, &mut points[..], &|part: &Part, points| pad(&x[part.rows.clone()], points));
-        let trial = Trial { x, points, parts };
+        place(parts, x, *middle, points, local);
+        let trial = Trial { x, places: Places { x: points, local }, parts };
         terms.each_mut().map(|term| of(term, &trial)).sum()
     }
 
@@ -166,27 +182,28 @@ impl<T: Scalar> System<T> {
 
     /// Potential at `x` that depends on the substep too, J.
     pub(crate) fn driven(&mut self, substep: &Substep, x: &[DVec3]) -> f64 {
-        let Self { terms, points, matrix, .. } = self;
+        let Self { terms, points, local, matrix, .. } = self;
         // No term of these looks at elements.
-        let trial = Trial { x, points, parts: matrix.pattern().parts() };
+        let trial = Trial { x, places: Places { x: points, local }, parts: matrix.pattern().parts() };
         terms.each_mut().filter(|term| !term.is_stored()).map(|term| term.potential(substep, &trial)).sum()
     }
 
     /// Elastic energy at `x`.
     pub fn energy(&self, x: &[DVec3]) -> ElasticEnergy {
-        let mut points = vec![Padded::zero(); x.len()];
-        pad(x, &mut points);
+        let (mut points, mut local) = (self.points.clone(), self.local.clone());
         let parts = self.matrix.pattern().parts();
-        ElasticEnergy {
-            membrane: self.terms.membrane.energy_at(parts, &points),
-            bending: self.terms.bending.total_energy_at(parts, &points),
-        }
+        place(parts, x, self.middle, &mut points, &mut local);
+        let at = Places { x: &points, local: &local };
+        let Terms { membrane, bending, .. } = &self.terms;
+        ElasticEnergy { membrane: membrane.energy_at(parts, at), bending: bending.total_energy_at(parts, at) }
     }
 
     /// Says which vertices are held, so that what is clamped does not bend. (That they do not move is said by
     /// [`Constraints`](super::Constraints).)
     pub fn hold(&mut self, held: &[bool]) {
-        self.terms.bending.hold(held);
+        if self.terms.bending.hold(held) {
+            self.bending_hessian.measure(&self.terms.bending, self.matrix.pattern());
+        }
     }
 
     /// Says that the cloth is at `x` now, whatever was before.
@@ -252,28 +269,34 @@ impl<T: Scalar> System<T> {
 
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        let Self { terms, points, moved, matrix, rhs } = self;
+        let Self { terms, bending_hessian, points, local, middle, moved, matrix, rhs } = self;
         let pattern = Arc::clone(matrix.pattern());
-        // Relative to the first vertex, as f32 has few digits and only differences count.
-        let common = step.x[0] - step.origin[0];
-        for_parts(pattern.parts(), (&mut points[..], &mut moved[..]), &|part: &Part, (points, moved)| {
-            pad(&step.x[part.rows.clone()], points);
-            if step.damping > 0.0 {
+        place(pattern.parts(), step.x, *middle, points, local);
+        if step.damping > 0.0 {
+            // Relative to one vertex, as f32 has few digits and only differences count.
+            let common = step.x[*middle] - step.origin[*middle];
+            for_parts(pattern.parts(), &mut moved[..], &|part: &Part, moved| {
                 for (moved, vertex) in moved.iter_mut().zip(part.rows.clone()) {
                     *moved = Padded::from_f64((step.x[vertex] - step.origin[vertex] - common).to_array());
                 }
-            }
-        });
-        let linearization = Linearization::new(step, points, moved);
+            });
+        }
+        let linearization = Linearization::new(step, Places { x: points, local }, moved);
         terms.each_mut().for_each(|term| term.prepare(&linearization));
         let terms = &*terms;
+        let material = T::from_f64(linearization.material);
+        for (far, &weight) in matrix.far_mut().iter_mut().zip(&bending_hessian.far) {
+            *far = weight * material;
+        }
         let (diagonal, lower) = matrix.clear();
         for_parts(
             pattern.parts(),
             (diagonal, lower, &mut rhs[..]),
             &|part: &Part, (BySlice(diagonal), ByGroup(lower), rhs)| {
                 diagonal.fill(Group::zero());
-                lower.fill(Group::zero());
+                for (group, Pack(factors)) in lower.iter_mut().zip(&bending_hessian.near[part.groups.clone()]) {
+                    *group = Group::scaled_identities(factors, material);
+                }
                 // Forces first, then b.
                 rhs.fill(Padded::zero());
                 let mut out = Output::new(part, lower, rhs);
@@ -304,8 +327,13 @@ impl<T: Scalar> System<T> {
     }
 }
 
-fn pad(x: &[DVec3], points: &mut [Padded<f64>]) {
-    for (point, x) in points.iter_mut().zip(x) {
-        *point = Padded::new(x.to_array());
-    }
+/// Writes [`Places`].
+fn place<T: Scalar>(parts: &[Part], x: &[DVec3], middle: usize, points: &mut [Padded<f64>], local: &mut [Padded<T>]) {
+    let middle = x.get(middle).copied().unwrap_or_default();
+    for_parts(parts, (points, local), &|part: &Part, (points, local)| {
+        for ((point, local), x) in points.iter_mut().zip(local).zip(&x[part.rows.clone()]) {
+            *point = Padded::new(x.to_array());
+            *local = Padded::from_f64((*x - middle).to_array());
+        }
+    });
 }

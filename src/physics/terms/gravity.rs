@@ -25,7 +25,7 @@ impl<T: Scalar> Term<T> for Gravity {
     }
 
     /// Zero at xₙ; of the free vertices.
-    fn potential(&mut self, substep: &Substep, at: &Trial) -> f64 {
+    fn potential(&mut self, substep: &Substep, at: &Trial<T>) -> f64 {
         let Substep { x: start, held, masses, gravity, .. } = *substep;
         for_parts(at.parts, (), &|part: &Part, ()| {
             let free = part.rows.clone().filter(|&vertex| !held[vertex]);

@@ -24,9 +24,9 @@ use bevy::math::DVec3;
 pub use self::air_drag::AirDrag;
 pub use self::gravity::Gravity;
 pub use self::inertia::Inertia;
-use super::assembly::{ImplicitStep, Linearization, Output, Part, Stencil};
+use super::assembly::{ImplicitStep, Linearization, Output, Part, Places, Stencil};
 use super::material::Fabric;
-use super::math::{Padded, Scalar};
+use super::math::Scalar;
 
 /// What a substep starts from. Nothing of it changes while the substep is taken. All vertices are numbered as the engine does.
 #[derive(Clone, Copy, Debug)]
@@ -64,11 +64,11 @@ pub struct Row {
 
 /// Positions that potentials are asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Trial<'a> {
+pub struct Trial<'a, T: Scalar> {
     /// m.
     pub x: &'a [DVec3],
     /// The same as elements load them.
-    pub points: &'a [Padded<f64>],
+    pub places: Places<'a, T>,
     /// The parts that sums are made by.
     pub parts: &'a [Part],
 }
@@ -102,12 +102,12 @@ pub trait Term<T: Scalar>: Send + Sync {
     }
 
     /// Potential of its forces, J; 0 for forces without one.
-    fn potential(&mut self, _substep: &Substep, _at: &Trial) -> f64 {
+    fn potential(&mut self, _substep: &Substep, _at: &Trial<T>) -> f64 {
         0.0
     }
 
     /// Forgets hidden state of positions that have nothing to do with these.
-    fn settle(&mut self, _at: &Trial) {}
+    fn settle(&mut self, _at: &Trial<T>) {}
 
     /// Potential of forces that hold for this substep alone, J: in what the descent lowers, and in no account of energy.
     fn substep_potential(&self, _x: &[DVec3]) -> f64 {
