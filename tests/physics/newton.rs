@@ -80,6 +80,7 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
         wind: DVec3::ZERO,
         dissipates: true,
         projection: Projection::PositivePart,
+        stressed: false,
         drift: DVec3::ZERO,
         inertia: None,
         stencils: &[],

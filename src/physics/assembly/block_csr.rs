@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::parts::{ByGroup, BySlice, Part, for_parts};
 use super::slice;
-use super::{BlockPattern, Group};
+use super::{BlockPattern, Couplings, Group};
 use crate::physics::math::{Kernel, M3, Oct, Padded, ROWS, RowKernel, Scalar, dispatch};
 
 /// A = L + D + Lᵀ + F: the diagonal, and the lower half. One pass over L serves both halves. F holds a scalar w for each of the
@@ -23,6 +23,8 @@ pub struct BlockCsr<T> {
     interleaved: bool,
     /// F, by entry of the far pairs: w, in both rows of a pair.
     far: Vec<T>,
+    /// Beside the pattern.
+    couplings: Couplings<T>,
     /// Rows that are coupled with no others: those of pins, once taken out.
     pub fixed: Vec<bool>,
 }
@@ -34,7 +36,7 @@ impl<T: Scalar> BlockCsr<T> {
         let lower = vec![Group::zero(); pattern.group_count()];
         let far = vec![T::zero(); pattern.far().entry_count()];
         let fixed = vec![false; pattern.row_count()];
-        Self { pattern, diagonal, lower, interleaved: false, far, fixed }
+        Self { pattern, diagonal, lower, interleaved: false, far, couplings: Couplings::default(), fixed }
     }
 
     /// The pattern.
@@ -46,6 +48,7 @@ impl<T: Scalar> BlockCsr<T> {
     pub(crate) fn clear(&mut self) -> (BySlice<'_, Group<T>>, ByGroup<'_, Group<T>>) {
         self.interleaved = false;
         self.fixed.fill(false);
+        self.couplings.clear();
         (BySlice(&mut self.diagonal), ByGroup(&mut self.lower))
     }
 
@@ -104,6 +107,16 @@ impl<T: Scalar> BlockCsr<T> {
         self.pattern.row(row).map(|slot| (self.pattern.column(slot), self.block(slot)))
     }
 
+    /// What stands beside the pattern.
+    pub fn couplings(&self) -> &Couplings<T> {
+        &self.couplings
+    }
+
+    /// Changes that.
+    pub(super) fn couplings_mut(&mut self) -> &mut Couplings<T> {
+        &mut self.couplings
+    }
+
     /// F: the scalars by entry of the far pairs.
     pub fn far(&self) -> &[T] {
         &self.far
@@ -152,7 +165,9 @@ impl<T: Scalar> BlockCsr<T> {
     /// If the matrix is not interleaved.
     pub fn multiply(&self, x: &[Padded<T>], y: &mut [Padded<T>]) -> f64 {
         assert!(self.interleaved, "the matrix is still being filled");
-        for_parts(self.pattern.parts(), y, &|part: &Part, y| T::dispatch(Multiply { a: self, part, x, y }))
+        let product =
+            for_parts(self.pattern.parts(), &mut *y, &|part: &Part, y| T::dispatch(Multiply { a: self, part, x, y }));
+        product + self.couplings.add_product(x, y)
     }
 }
 

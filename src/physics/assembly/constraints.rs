@@ -67,6 +67,7 @@ impl Constraints {
                 b[row] -= prescribed(column as usize) * weight;
             }
         }
+        a.couplings_mut().constrain(b, &self.pinned, &prescribed);
         for row in self.rows.iter().map(|&row| row as usize) {
             a.fixed[row] = true;
             a.set_diagonal(row, M3::scaled_identity(T::from_f64(1.0)));

@@ -9,7 +9,7 @@ use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
 use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar};
 use crate::physics::mesh::{BendingModel, Hinge, RestShape};
-use crate::physics::terms::{Substep, Term, Trial};
+use crate::physics::terms::{Term, Trial};
 
 /// All hinges, in batches.
 pub(super) struct Hinges<T> {
@@ -166,12 +166,8 @@ impl<T: Scalar> Term<T> for Hinges<T> {
         batch::assemble(self, at, out);
     }
 
-    fn is_stored(&self) -> bool {
-        true
-    }
-
     /// For the present turns of mid-edge normals: what relaxes them changes it.
-    fn potential(&mut self, _: &Substep, at: &Trial<T>) -> f64 {
+    fn stored(&mut self, at: &Trial<T>) -> f64 {
         match self.mid_edges.take() {
             None => self.total_energy_at(at.parts, at.places),
             Some(mut mid_edges) => {

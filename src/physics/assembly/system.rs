@@ -152,40 +152,36 @@ impl<T: Scalar> System<T> {
     }
 
     /// Sums what `of` says of the terms at `x`.
-    fn sum(&mut self, x: &[DVec3], mut of: impl FnMut(&mut dyn Term<T>, &Trial<T>) -> f64) -> f64 {
+    fn sum(&mut self, x: &[DVec3], is_state: bool, mut of: impl FnMut(&mut dyn Term<T>, &Trial<T>) -> f64) -> f64 {
         let Self { terms, points, local, middle, matrix, .. } = self;
         let parts = matrix.pattern().parts();
         place(parts, x, *middle, points, local);
-        let trial = Trial { x, places: Places { x: points, local }, parts };
+        let trial = Trial { places: Places { x: points, local }, parts, is_state };
         terms.each_mut().map(|term| of(term, &trial)).sum()
     }
 
-    /// Potential at `x` that depends on positions alone, J.
-    pub(crate) fn stored(&mut self, substep: &Substep, x: &[DVec3]) -> f64 {
-        self.sum(x, |term, trial| if term.is_stored() { term.potential(substep, trial) } else { 0.0 })
+    /// Potential at `x` that depends on positions alone, J. See [`Trial::is_state`].
+    pub(crate) fn stored(&mut self, x: &[DVec3], is_state: bool) -> f64 {
+        self.sum(x, is_state, |term, trial| term.stored(trial))
     }
 
-    /// The same. A term whose potential has more than this forgets the hidden state that it has it by, and is asked again.
-    pub(crate) fn stored_within(&mut self, limit: f64, substep: &Substep, x: &[DVec3]) -> f64 {
-        self.sum(x, |term, trial| {
-            if !term.is_stored() {
-                return 0.0;
-            }
-            let potential = term.potential(substep, trial);
+    /// The same. A term that has more than this forgets the hidden state that it has it by, and is asked again.
+    pub(crate) fn stored_within(&mut self, limit: f64, x: &[DVec3]) -> f64 {
+        self.sum(x, false, |term, trial| {
+            let potential = term.stored(trial);
             if potential <= limit {
                 return potential;
             }
             term.settle(trial);
-            term.potential(substep, trial)
+            term.stored(trial)
         })
     }
 
     /// Potential at `x` that depends on the substep too, J.
     pub(crate) fn driven(&mut self, substep: &Substep, x: &[DVec3]) -> f64 {
-        let Self { terms, points, local, matrix, .. } = self;
-        // No term of these looks at elements.
-        let trial = Trial { x, places: Places { x: points, local }, parts: matrix.pattern().parts() };
-        terms.each_mut().filter(|term| !term.is_stored()).map(|term| term.potential(substep, &trial)).sum()
+        let Self { terms, matrix, .. } = self;
+        let parts = matrix.pattern().parts();
+        terms.each_mut().map(|term| term.driven(substep, x, parts)).sum()
     }
 
     /// Elastic energy at `x`.
@@ -208,7 +204,7 @@ impl<T: Scalar> System<T> {
 
     /// Says that the cloth is at `x` now, whatever was before.
     pub fn settle(&mut self, x: &[DVec3]) {
-        self.sum(x, |term, trial| {
+        self.sum(x, false, |term, trial| {
             term.settle(trial);
             0.0
         });
@@ -322,7 +318,14 @@ impl<T: Scalar> System<T> {
         });
         for stencil in step.stencils {
             stencils::add_force(rhs, step, stencil);
-            stencils::add_stiffness(matrix, step, stencil);
+            if stencil.fits(&pattern) {
+                stencils::add_stiffness(matrix, step, stencil);
+            } else {
+                for (row, lump) in matrix.couplings_mut().push(step, stencil) {
+                    let diagonal = matrix.diagonal(row);
+                    matrix.set_diagonal(row, diagonal + lump);
+                }
+            }
         }
     }
 }

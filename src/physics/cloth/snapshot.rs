@@ -276,12 +276,12 @@ impl Cloth {
         if self.fabric != snapshot.fabric {
             self.set_fabric(snapshot.fabric).map_err(|_| SnapshotError::Damaged("its fabric cannot exist"))?;
         }
-        self.engine.remember(&snapshot.remembered, &self.ordering);
         self.contact_settings = snapshot.contact;
         self.gravity = snapshot.gravity;
         self.shown.positions.copy_from_slice(&snapshot.positions);
         self.shown.velocities.copy_from_slice(&snapshot.velocities);
         self.take_shown();
+        self.engine.remember(&snapshot.remembered, &self.ordering, &self.state.positions);
         self.pins.clear();
         for &(vertex, target) in &*snapshot.pins {
             self.pin(vertex, target);

@@ -163,6 +163,9 @@ impl ContactLayer {
     /// Finds what would end inside a collider that it was not seen to come near, after a solve that leads to `end`. Says whether
     /// there was anything.
     pub fn find_late(&mut self, around: &Surroundings, moving: &Substep, end: impl Fn(usize) -> DVec3) -> bool {
+        if around.colliders.is_empty() {
+            return false;
+        }
         let mut any = false;
         let furthest = self.look_astray(&end);
         let bodies = self.bodies(around, furthest);

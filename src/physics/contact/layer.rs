@@ -13,6 +13,7 @@ use super::meeting::Body;
 use super::memory::{Memories, Memory};
 use super::touch::{Case, Touch};
 use crate::physics::material::Fabric;
+use crate::physics::terms::Substep;
 
 /// What the touches need to know of a substep. All vertices are numbered as the engine does.
 #[derive(Clone, Copy)]
@@ -110,6 +111,15 @@ impl ContactLayer {
     /// Whether any touch has a force.
     pub fn any_active(&self) -> bool {
         self.touches.iter().any(Touch::is_active)
+    }
+
+    /// Mean velocity of what the cloth touches, where it touches it, m/s; `None` if no touch has a force.
+    pub fn surface_velocity(&self, substep: &Substep) -> Option<DVec3> {
+        let active = self.touches.iter().filter(|touch| touch.is_active());
+        let (sum, count) = active.fold((DVec3::ZERO, 0), |(sum, count), touch| {
+            (sum + touch.carried - touch.point(substep.x), count + 1)
+        });
+        (count > 0).then(|| sum / (f64::from(count) * substep.dt))
     }
 
     /// Judges every touch by where a solve led, and says what forces were wrong, as a share of those that are right.

@@ -7,12 +7,12 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::{LinearSolver, SolveError, Solved, Target};
+use super::{ConjugateGradient, LinearSolver, Preconditioner, SolveError, Solved, Target};
 use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{Padded, ROWS, Scalar};
 
@@ -85,6 +85,63 @@ impl Factor {
     }
 }
 
+/// Residual, relative, that what stands beside the matrix is solved to.
+const BESIDE: f64 = 1e-12;
+/// Conjugate gradients end after as many steps as there are vertices in couplings, but for rounding; scenes have a few.
+const MOST_BESIDE: u32 = 1000;
+
+impl Factor {
+    /// Factorizes what the pattern knows of the matrix.
+    fn factorize<T: Scalar>(&mut self, a: &BlockCsr<T>) -> Result<(), SolveError> {
+        let Self { lower, sources, symbolic, values, factor, memory, .. } = self;
+        let (far, rows) = (a.pattern().far(), a.pattern().row_count());
+        let first_scalar = first_scalar(rows, a.pattern().group_count());
+        for (value, &source) in values.iter_mut().zip(&*sources) {
+            let (block, row, column) = (source as usize / 9, source as usize / 3 % 3, source as usize % 3);
+            *value = if source as usize >= first_scalar {
+                a.far()[source as usize - first_scalar].to_f64()
+            } else if block >= rows {
+                a.block(block - rows).0[row][column].to_f64()
+            } else {
+                let scalars: f64 = if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
+                a.diagonal(block).0[row][column].to_f64() - scalars
+            };
+        }
+        if !values.iter().all(|v| v.is_finite()) {
+            return Err(SolveError::NotFinite);
+        }
+        let matrix = SparseColMatRef::new(lower.as_ref(), values);
+        let (memory, none) = (MemStack::new(memory), LltRegularization::default());
+        let factorized =
+            symbolic.factorize_numeric_llt(factor, matrix, Side::Lower, none, Par::Seq, memory, Spec::default());
+        factorized.map(|_| ()).map_err(|_| SolveError::NotPositiveDefinite)
+    }
+
+    /// Solves for one right-hand side.
+    fn solve<T: Scalar>(&mut self, b: &[Padded<T>], d: &mut [Padded<T>]) {
+        let Self { symbolic, factor, solution, memory, .. } = self;
+        for (entries, b) in solution.chunks_exact_mut(3).zip(b) {
+            entries.copy_from_slice(&b.to_f64());
+        }
+        let rows = solution.len();
+        let right = MatMut::from_column_major_slice_mut(solution, rows, 1);
+        LltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, right, Par::Seq, MemStack::new(memory));
+        for (d, entries) in d.iter_mut().zip(solution.chunks_exact(3)) {
+            *d = Padded::from_f64([entries[0], entries[1], entries[2]]);
+        }
+    }
+}
+
+impl<T: Scalar> Preconditioner<T> for &mut Factor {
+    /// It was factorized already.
+    fn update(&mut self, _: &BlockCsr<T>) {}
+
+    fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+        self.solve(r, z);
+        r.iter().zip(z).map(|(r, z)| r.dot_f64(*z)).sum()
+    }
+}
+
 impl<T: Scalar> LinearSolver<T> for Cholesky {
     fn solve(
         &mut self,
@@ -94,50 +151,20 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
         _: Target,
     ) -> Result<Solved, SolveError> {
         let start = Instant::now();
-        let Factor { lower, sources, symbolic, values, factor, solution, memory } =
-            self.0.as_mut().ok_or(SolveError::TooLarge)?;
-        let far = a.pattern().far();
-        let first_scalar = first_scalar(b.len(), a.pattern().group_count());
-        for (value, &source) in values.iter_mut().zip(&*sources) {
-            let (block, row, column) = (source as usize / 9, source as usize / 3 % 3, source as usize % 3);
-            *value = if source as usize >= first_scalar {
-                a.far()[source as usize - first_scalar].to_f64()
-            } else if block >= b.len() {
-                a.block(block - b.len()).0[row][column].to_f64()
-            } else {
-                let scalars: f64 = if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
-                a.diagonal(block).0[row][column].to_f64() - scalars
-            };
-        }
-        for (entries, b) in solution.chunks_exact_mut(3).zip(b) {
-            entries.copy_from_slice(&b.to_f64());
-        }
-        if !values.iter().chain(&*solution).all(|v| v.is_finite()) {
+        let factor = self.0.as_mut().ok_or(SolveError::TooLarge)?;
+        if !b.iter().all(|b| b.to_f64().into_iter().all(f64::is_finite)) {
             return Err(SolveError::NotFinite);
         }
-        let llt = symbolic
-            .factorize_numeric_llt(
-                factor,
-                SparseColMatRef::new(lower.as_ref(), values),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(memory),
-                Spec::default(),
-            )
-            .map_err(|_| SolveError::NotPositiveDefinite)?;
+        factor.factorize(a)?;
         let preparation = start.elapsed();
-        let rows = solution.len();
-        llt.solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(solution, rows, 1),
-            Par::Seq,
-            MemStack::new(memory),
-        );
-        for (d, entries) in d.iter_mut().zip(solution.chunks_exact(3)) {
-            *d = Padded::from_f64([entries[0], entries[1], entries[2]]);
+        if a.couplings().is_empty() {
+            factor.solve(b, d);
+            return Ok(Solved { iterations: 0, converged: true, preparation });
         }
-        Ok(Solved { iterations: 0, converged: true, preparation })
+        // What stands beside the matrix no factor knows: the factor is the preconditioner of conjugate gradients then.
+        let target = Target { absolute: 0.0, relative: BESIDE };
+        let solved = ConjugateGradient::new(b.len(), factor, MOST_BESIDE).solve(a, b, d, target)?;
+        Ok(Solved { iterations: 0, preparation, ..solved })
     }
 }
 

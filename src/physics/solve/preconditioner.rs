@@ -9,6 +9,11 @@ pub trait Preconditioner<T: Scalar>: Send + Sync {
     fn update(&mut self, a: &BlockCsr<T>);
     /// `z = P⁻¹ r`, for the matrix that it was last adapted to, now interleaved; returns rᵀ z.
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
+
+    /// See [`LinearSolver::smooth`](super::LinearSolver::smooth).
+    fn smooth(&mut self, _a: &BlockCsr<T>, _values: &mut [Padded<T>]) -> bool {
+        false
+    }
 }
 
 impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
@@ -18,6 +23,10 @@ impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
 
     fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         (**self).apply(a, r, z)
+    }
+
+    fn smooth(&mut self, a: &BlockCsr<T>, values: &mut [Padded<T>]) -> bool {
+        (**self).smooth(a, values)
     }
 }
 

@@ -1,9 +1,11 @@
 //! The energy safeguard: no substep is taken that is not finite, or gains energy that nothing gave it.
 //!
 //! A substep from xₙ is accepted if the incremental potential of backward Euler (Gast et al. 2014, eq. 3),
-//! `Φ(x) = ½ |x − xₙ − Δt vₙ|²_M / Δt² + Σ potentials(x)`, is no higher where it ends than at xₙ with the pins at their
-//! new places, up to a tolerance: the work of pins and gravity is then part of the comparison, and what else the world does is
-//! allowed for by the [`work`](crate::physics::terms::Term::work) of terms. Otherwise the [`descent`](super::descent) lowers Φ.
+//! `Φ(x) = ½ |x − xₙ − Δt vₙ|²_M / Δt² + Σ potentials(x)`, is no higher where it ends than where the frame of the substep carries
+//! the cloth, with the pins at their new places, up to a tolerance: the work of pins and gravity is then part of the comparison, and
+//! what else the world does is allowed for by the [`work`](crate::physics::terms::Term::work) of terms. Otherwise the
+//! [`descent`](super::descent) lowers Φ. All energies are those of the [frame](crate::physics::terms::Substep::frame): what holds for a
+//! cloth at home holds for it on a train.
 //!
 //! Φ says where a substep may end, not how fast, and a tolerance used up in every substep would still add up. So there is an
 //! [`Account`] too: what kinetic energy and potentials have gained together beyond the work of pins and of the world, and not lost
@@ -55,9 +57,9 @@ pub(super) struct Reached {
 }
 
 impl Reached {
-    /// Of vertices at `x`.
+    /// Of vertices at `x`, where the substep may end.
     pub fn new<T: Scalar>(terms: &mut Terms<T>, step: &Step, x: &[DVec3]) -> Self {
-        Self { stored: terms.system.stored(&step.start, x), driven: terms.system.driven(&step.start, x) }
+        Self { stored: terms.system.stored(x, true), driven: terms.system.driven(&step.start, x) }
     }
 
     /// Φ, J.
@@ -70,18 +72,19 @@ impl Account {
     /// What a substep may spend. `dragged` is memory for where pins drag the cloth.
     pub fn open<T: Scalar>(&mut self, terms: &mut Terms<T>, step: &Step, dragged: &mut Vec<DVec3>) -> Budget {
         let start = &step.start;
-        let now = *self.stored.get_or_insert_with(|| terms.system.stored(start, start.x));
-        let kinetic = kinetic(terms.parts(), step, start.v);
+        let now = *self.stored.get_or_insert_with(|| terms.system.stored(start.x, true));
+        let kinetic = kinetic(terms.parts(), step, start.frame, start.v);
         let fall = start.mass * start.gravity.length_squared() * start.dt * start.dt;
         let tolerance = TOLERANCE * (kinetic + now + fall);
-        let moved = step.pins.waypoints().any(|(vertex, waypoint)| waypoint != start.x[vertex]);
-        let (stored, driven) = if moved {
-            drag_pins(step, dragged);
+        let moved = step.pins.waypoints().any(|(vertex, waypoint)| waypoint != start.carried(vertex));
+        drag_pins(step, dragged);
+        let driven = terms.system.driven(start, dragged);
+        let stored = if moved {
             // Bent so far at once, the turns of mid-edge normals are far from where they belong, and energy that they hold is not
             // the work of pins.
-            (terms.system.stored_within(now + tolerance, start, dragged), terms.system.driven(start, dragged))
+            terms.system.stored_within(now + tolerance, dragged)
         } else {
-            (now, terms.system.driven(start, start.x))
+            now
         };
         Budget { start: kinetic + stored + driven, stored, tolerance, gain: (tolerance - self.surplus).max(0.0) }
     }
@@ -117,7 +120,7 @@ impl Account {
         step: &Step,
         report: &mut StepReport,
     ) -> bool {
-        let kinetic = kinetic(parts, step, &candidate.velocities);
+        let kinetic = kinetic(parts, step, step.start.frame, &candidate.velocities);
         let before = budget.start - reached.driven - reached.stored;
         let allowed = (before + budget.gain).max(0.0);
         if kinetic > allowed {
@@ -126,8 +129,9 @@ impl Account {
             }
             report.velocity_clamps += 1;
             let scale = (allowed / kinetic).sqrt();
+            let frame = step.start.frame;
             for v in &mut candidate.velocities {
-                *v *= scale;
+                *v = frame + scale * (*v - frame);
             }
         }
         self.surplus = (self.surplus + kinetic.min(allowed) - before).max(0.0);
@@ -135,10 +139,10 @@ impl Account {
     }
 }
 
-/// xₙ with held vertices at their waypoints, m.
+/// Where the frame carries the vertices, with those that are held at their waypoints, m.
 pub(super) fn drag_pins(step: &Step, out: &mut Vec<DVec3>) {
     out.clear();
-    out.extend_from_slice(step.start.x);
+    out.extend((0..step.start.x.len()).map(|vertex| step.start.carried(vertex)));
     for (vertex, waypoint) in step.pins.waypoints() {
         out[vertex] = waypoint;
     }
@@ -152,9 +156,9 @@ fn sum(parts: &[Part], step: &Step, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     })
 }
 
-/// Kinetic energy of the free vertices, J.
-pub(super) fn kinetic(parts: &[Part], step: &Step, velocities: &[DVec3]) -> f64 {
-    sum(parts, step, |v| 0.5 * step.start.masses[v] * velocities[v].length_squared())
+/// Kinetic energy of the free vertices in a frame of this velocity, J.
+pub(super) fn kinetic(parts: &[Part], step: &Step, frame: DVec3, velocities: &[DVec3]) -> f64 {
+    sum(parts, step, |v| 0.5 * step.start.masses[v] * velocities[v].distance_squared(frame))
 }
 
 /// Φ's part of inertia, of the free vertices, J.

@@ -70,6 +70,12 @@ impl Pins {
         self.pins.iter().map(|pin| values[pin.vertex as usize]).sum::<DVec3>() / self.pins.len() as f64
     }
 
+    /// Mean of the way to the waypoints, m; `None` if no vertex is held.
+    pub fn mean_way(&self, positions: &[DVec3]) -> Option<DVec3> {
+        let ways = self.pins.iter().map(|pin| pin.waypoint - positions[pin.vertex as usize]);
+        self.any().then(|| ways.sum::<DVec3>() / self.pins.len() as f64)
+    }
+
     /// Sets the waypoints a straight line onwards, with so many substeps `remaining`. The last ends on the target itself.
     pub fn advance(&mut self, positions: &[DVec3], remaining: u32) {
         for Pin { vertex, target, waypoint } in &mut self.pins {

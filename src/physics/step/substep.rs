@@ -43,8 +43,10 @@ impl World<'_> {
     ) -> Step<'a> {
         let Self { masses, mass, gravity, wind, colliders, contact: settings } = *self;
         let (x, v, held) = (&state.positions[..], &state.velocities[..], pins.held());
+        let mean = || masses.iter().zip(v).map(|(&mass, &v)| mass * v).sum::<DVec3>() / mass;
+        let frame = pins.mean_way(x).map_or_else(mean, |way| way / dt);
         Step {
-            start: Substep { x, v, held, masses, mass, gravity, wind, dt, from, to },
+            start: Substep { x, v, held, masses, mass, gravity, wind, frame, dt, from, to },
             pins,
             around: Surroundings { colliders, settings, is_impact, from, to },
         }

@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 
-use super::{Row, Substep, Term, Trial};
+use super::{Row, Substep, Term};
 use crate::physics::assembly::ImplicitStep;
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::math::Scalar;
@@ -24,12 +24,12 @@ impl<T: Scalar> Term<T> for Gravity {
         }
     }
 
-    /// Zero at xₙ; of the free vertices.
-    fn potential(&mut self, substep: &Substep, at: &Trial<T>) -> f64 {
-        let Substep { x: start, held, masses, gravity, .. } = *substep;
-        for_parts(at.parts, (), &|part: &Part, ()| {
+    /// Zero where the frame carries the cloth.
+    fn driven(&mut self, substep: &Substep, x: &[DVec3], parts: &[Part]) -> f64 {
+        let Substep { held, masses, gravity, .. } = *substep;
+        for_parts(parts, (), &|part: &Part, ()| {
             let free = part.rows.clone().filter(|&vertex| !held[vertex]);
-            -free.map(|vertex| masses[vertex] * gravity.dot(at.x[vertex] - start[vertex])).sum::<f64>()
+            -free.map(|vertex| masses[vertex] * gravity.dot(x[vertex] - substep.carried(vertex))).sum::<f64>()
         })
     }
 }

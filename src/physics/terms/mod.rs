@@ -45,12 +45,22 @@ pub struct Substep<'a> {
     pub gravity: DVec3,
     /// Velocity of the air, m/s.
     pub wind: DVec3,
+    /// Velocity of the frame that energies are counted in, m/s: that of the pins, or of the cloth as a whole. A cloth on a train is
+    /// judged as one at home.
+    pub frame: DVec3,
     /// Length Δt, s.
     pub dt: f64,
     /// Where it begins and ends, as shares of the step that it is a part of.
     pub from: f64,
     /// See [`from`](Self::from).
     pub to: f64,
+}
+
+impl Substep<'_> {
+    /// Where a vertex is that goes along with the frame, m.
+    pub fn carried(&self, vertex: usize) -> DVec3 {
+        self.x[vertex] + self.dt * self.frame
+    }
 }
 
 /// What a term of single vertices adds to a row of A and b.
@@ -62,21 +72,21 @@ pub struct Row {
     pub b: DVec3,
 }
 
-/// Positions that potentials are asked for.
+/// Positions that stored potentials are asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<'a, T: Scalar> {
-    /// m.
-    pub x: &'a [DVec3],
-    /// The same as elements load them.
+    /// Where the vertices are.
     pub places: Places<'a, T>,
     /// The parts that sums are made by.
     pub parts: &'a [Part],
+    /// Whether the cloth is there, or will be if the substep is accepted: what a term finds there it may need in the next.
+    pub is_state: bool,
 }
 
 /// A term of the step: forces, their part of A, and where their energy comes from. All methods do nothing unless said otherwise.
 ///
 /// A substep calls [`begin`](Self::begin), then for each linearization [`prepare`](Self::prepare) and the three that add to A and b,
-/// then [`potential`](Self::potential) and [`work`](Self::work) of where it leads, then [`end`](Self::end).
+/// then [`stored`](Self::stored), [`driven`](Self::driven) and [`work`](Self::work) of where it leads, then [`end`](Self::end).
 pub trait Term<T: Scalar>: Send + Sync {
     /// Takes over the constants of a fabric.
     fn set_fabric(&mut self, _fabric: &Fabric) {}
@@ -96,13 +106,13 @@ pub trait Term<T: Scalar>: Send + Sync {
     /// Adds forces on points of the cloth, linearized at the points of `at`.
     fn add_stencils(&mut self, _at: &[DVec3], _out: &mut Vec<Stencil>) {}
 
-    /// Whether the potential depends on positions alone: then the step before knows it already.
-    fn is_stored(&self) -> bool {
-        false
+    /// Potential of its forces that depends on positions alone, J: the next step knows it already.
+    fn stored(&mut self, _at: &Trial<T>) -> f64 {
+        0.0
     }
 
-    /// Potential of its forces, J; 0 for forces without one.
-    fn potential(&mut self, _substep: &Substep, _at: &Trial<T>) -> f64 {
+    /// Potential of its forces that depends on the substep too, of the free vertices at `x`, J.
+    fn driven(&mut self, _substep: &Substep, _x: &[DVec3], _parts: &[Part]) -> f64 {
         0.0
     }
 
