@@ -2,7 +2,7 @@
 
 use bevy::math::{DMat3, DVec3};
 
-use super::{BlockCsr, BlockPattern, ImplicitStep};
+use super::{BlockEll, BlockPattern, ImplicitStep};
 use crate::physics::math::{M3, Padded, Scalar};
 
 /// A force that falls linearly as a combination of vertices moves.
@@ -56,7 +56,7 @@ pub(super) fn add_force<T: Scalar>(b: &mut [Padded<T>], step: &ImplicitStep, ste
 }
 
 /// Adds the stiffness of a stencil that [fits](Stencil::fits) to A, which may neither be constrained nor interleaved yet.
-pub(super) fn add_stiffness<T: Scalar>(a: &mut BlockCsr<T>, step: &ImplicitStep, stencil: &Stencil) {
+pub(super) fn add_stiffness<T: Scalar>(a: &mut BlockEll<T>, step: &ImplicitStep, stencil: &Stencil) {
     let square = step.gamma * step.gamma;
     for (row, weight) in stencil.corners() {
         let diagonal = a.diagonal(row);

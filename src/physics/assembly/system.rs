@@ -13,7 +13,7 @@ use super::parts::{ByGroup, BySlice, Merge, Part, Split, for_parts};
 use super::row_sums::SubtractRows;
 use super::stencils;
 use super::triangles::Triangles;
-use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
+use super::{BlockEll, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::material::Fabric;
 use crate::physics::math::{M3, Pack, Padded, ROWS, Scalar};
 use crate::physics::mesh::RestShape;
@@ -77,7 +77,7 @@ pub struct System<T: Scalar> {
     /// x − q, see [`Linearization`].
     moved: Vec<Padded<T>>,
     /// A.
-    pub matrix: BlockCsr<T>,
+    pub matrix: BlockEll<T>,
     /// b, kg·m.
     pub rhs: Vec<Padded<T>>,
 }
@@ -113,7 +113,7 @@ impl<T: Scalar> System<T> {
             local: zeros.clone(),
             middle: along.get(along.len() / 2).map_or(0, |&vertex| inner[vertex as usize] as usize),
             moved: zeros.clone(),
-            matrix: BlockCsr::zero(Arc::new(pattern)),
+            matrix: BlockEll::zero(Arc::new(pattern)),
             rhs: zeros,
         }
     }

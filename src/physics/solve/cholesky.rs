@@ -13,7 +13,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::{ConjugateGradient, LinearSolver, Preconditioner, SolveError, Solved, Target};
-use crate::physics::assembly::{BlockCsr, BlockPattern};
+use crate::physics::assembly::{BlockEll, BlockPattern};
 use crate::physics::math::{Padded, ROWS, Scalar};
 
 /// Supernodal Cholesky with approximate-minimum-degree ordering, always in f64. The symbolic analysis is made once per
@@ -92,7 +92,7 @@ const MOST_BESIDE: u32 = 1000;
 
 impl Factor {
     /// Factorizes what the pattern knows of the matrix.
-    fn factorize<T: Scalar>(&mut self, a: &BlockCsr<T>) -> Result<(), SolveError> {
+    fn factorize<T: Scalar>(&mut self, a: &BlockEll<T>) -> Result<(), SolveError> {
         let Self { lower, sources, symbolic, values, factor, memory, .. } = self;
         let (far, rows) = (a.pattern().far(), a.pattern().row_count());
         let first_scalar = first_scalar(rows, a.pattern().group_count());
@@ -134,9 +134,9 @@ impl Factor {
 
 impl<T: Scalar> Preconditioner<T> for &mut Factor {
     /// It was factorized already.
-    fn update(&mut self, _: &BlockCsr<T>) {}
+    fn update(&mut self, _: &BlockEll<T>) {}
 
-    fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, _: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         self.solve(r, z);
         r.iter().zip(z).map(|(r, z)| r.dot_f64(*z)).sum()
     }
@@ -145,7 +145,7 @@ impl<T: Scalar> Preconditioner<T> for &mut Factor {
 impl<T: Scalar> LinearSolver<T> for Cholesky {
     fn solve(
         &mut self,
-        a: &mut BlockCsr<T>,
+        a: &mut BlockEll<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         _: Target,
@@ -208,7 +208,7 @@ mod tests {
         assert!(has_numbers(1_000_000, 1_000_000, 6_000_000) && !has_numbers(1_000_000, 60_000_000, 0));
         assert!(zeros(usize::MAX / 4).is_none());
         let pattern = BlockPattern::new(1, &[0], Slicing::Any, core::iter::empty(), core::iter::empty());
-        let mut a = BlockCsr::<f64>::zero(Arc::new(pattern));
+        let mut a = BlockEll::<f64>::zero(Arc::new(pattern));
         let (b, mut d) = ([Padded::zero()], [Padded::zero()]);
         let target = Target { absolute: 0.0, relative: 0.0 };
         assert_eq!(Cholesky(None).solve(&mut a, &b, &mut d, target), Err(SolveError::TooLarge));

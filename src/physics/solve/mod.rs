@@ -25,7 +25,7 @@ pub use incomplete_cholesky::IncompleteCholesky;
 pub use kind::{PreconditionerKind, SolverKind};
 pub use preconditioner::{BlockJacobi, Preconditioner};
 
-use crate::physics::assembly::{BlockCsr, BlockPattern};
+use crate::physics::assembly::{BlockEll, BlockPattern};
 use crate::physics::math::{Padded, Scalar};
 
 /// How a solve went.
@@ -72,14 +72,14 @@ pub trait LinearSolver<T: Scalar>: Send + Sync {
     /// See [`SolveError`]; `d` is then not to be used.
     fn solve(
         &mut self,
-        a: &mut BlockCsr<T>,
+        a: &mut BlockEll<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         target: Target,
     ) -> Result<Solved, SolveError>;
 
     /// Replaces values of the rows by smooth ones: means over patches, as far as the solver knows of patches. Says whether it does.
-    fn smooth(&mut self, _a: &BlockCsr<T>, _values: &mut [Padded<T>]) -> bool {
+    fn smooth(&mut self, _a: &BlockEll<T>, _values: &mut [Padded<T>]) -> bool {
         false
     }
 }

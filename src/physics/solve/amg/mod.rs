@@ -22,7 +22,7 @@ use self::graph::Graph;
 use self::prolongation::Prolongation;
 use super::gauss_seidel::GaussSeidel;
 use super::{IncompleteCholesky, Preconditioner};
-use crate::physics::assembly::{BlockCsr, BlockPattern, Slicing, colour};
+use crate::physics::assembly::{BlockEll, BlockPattern, Slicing, colour};
 use crate::physics::math::{Padded, Scalar};
 
 /// Levels of so few nodes are not coarsened further.
@@ -50,7 +50,7 @@ struct Level<T: Scalar> {
     prolongation: Prolongation<T>,
     galerkin: Galerkin<T>,
     /// Matrix, right-hand side and solution of the level below.
-    coarse: BlockCsr<T>,
+    coarse: BlockEll<T>,
     coarse_r: Vec<Padded<T>>,
     coarse_z: Vec<Padded<T>>,
 }
@@ -83,7 +83,7 @@ impl<T: Scalar> Multigrid<T> {
                 smoother: GaussSeidel::new(&pattern),
                 prolongation,
                 galerkin,
-                coarse: BlockCsr::zero(Arc::clone(&coarse_pattern)),
+                coarse: BlockEll::zero(Arc::clone(&coarse_pattern)),
                 coarse_r: vec![Padded::zero(); count],
                 coarse_z: vec![Padded::zero(); count],
             });
@@ -127,7 +127,7 @@ fn in_order(
 }
 
 impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
-    fn update(&mut self, a: &BlockCsr<T>) {
+    fn update(&mut self, a: &BlockEll<T>) {
         let mut fine = a;
         for Level { smoother, prolongation, galerkin, coarse, .. } in &mut self.levels {
             smoother.update(fine);
@@ -140,12 +140,12 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
         }
     }
 
-    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         cycle(&mut self.levels, &mut self.factor, a, r, z)
     }
 
     /// Means over the patches that an unknown of the second coarse level stands for.
-    fn smooth(&mut self, a: &BlockCsr<T>, values: &mut [Padded<T>]) -> bool {
+    fn smooth(&mut self, a: &BlockEll<T>, values: &mut [Padded<T>]) -> bool {
         let [first, second, ..] = &mut self.levels[..] else { return false };
         let Level { coarse, coarse_r: means, .. } = first;
         first.prolongation.mean(coarse.pattern(), values, means);
@@ -162,7 +162,7 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
 fn cycle<T: Scalar>(
     levels: &mut [Level<T>],
     factor: &mut IncompleteCholesky<T>,
-    a: &BlockCsr<T>,
+    a: &BlockEll<T>,
     r: &[Padded<T>],
     z: &mut [Padded<T>],
 ) -> f64 {
