@@ -80,7 +80,8 @@ fn answer() -> DVector<f64> {
 #[test]
 fn what_the_pattern_does_not_couple_is_solved_for_as_by_a_dense_matrix() {
     let answer = answer();
-    let gradients = [PreconditionerKind::Multigrid, PreconditionerKind::IncompleteCholesky, PreconditionerKind::BlockJacobi];
+    let gradients =
+        [PreconditionerKind::Multigrid, PreconditionerKind::IncompleteCholesky, PreconditionerKind::BlockJacobi];
     let kinds = gradients.map(|preconditioner| SolverKind::ConjugateGradient {
         tolerance: 0.0,
         relative_tolerance: 0.0,
@@ -92,7 +93,9 @@ fn what_the_pattern_does_not_couple_is_solved_for_as_by_a_dense_matrix() {
     for kind in kinds {
         let stencils = stencils();
         let mut system = system(&stencils);
-        constrain(&mut system.matrix, &mut system.rhs, &held(), |vertex| Padded::from_f64(prescribed(vertex).to_array()));
+        constrain(&mut system.matrix, &mut system.rhs, &held(), |vertex| {
+            Padded::from_f64(prescribed(vertex).to_array())
+        });
         let mut d: Vec<_> = (0..63).map(|_| Padded::zero()).collect();
         for (vertex, d) in d.iter_mut().enumerate().filter(|(vertex, _)| held()[*vertex]) {
             *d = Padded::from_f64(prescribed(vertex).to_array());
@@ -111,7 +114,8 @@ fn the_product_is_that_of_all_of_it() {
     let stencils = stencils();
     let mut system = system(&stencils);
     assert!(!system.matrix.couplings().is_empty());
-    let x: Vec<_> = (0..63).map(|i| Padded::from_f64([f64::from(i).sin(), f64::from(i).cos(), 0.1 * f64::from(i)])).collect();
+    let x: Vec<_> =
+        (0..63).map(|i| Padded::from_f64([f64::from(i).sin(), f64::from(i).cos(), 0.1 * f64::from(i)])).collect();
     let mut y = x.clone();
     system.matrix.interleave();
     let product = system.matrix.multiply(&x, &mut y);

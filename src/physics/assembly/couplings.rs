@@ -55,7 +55,9 @@ impl<T: Scalar> Couplings<T> {
         });
         let stencil = *stencil;
         let corners = stencil.vertices.into_iter().zip(stencil.weights).filter(|&(_, weight)| weight != 0.0);
-        corners.map(|(row, weight)| (row as usize, weight)).map(move |(row, weight)| (row, block(&stiffness, square * lump(weight))))
+        corners
+            .map(|(row, weight)| (row as usize, weight))
+            .map(move |(row, weight)| (row, block(&stiffness, square * lump(weight))))
     }
 
     /// Takes out the rows that are pinned, whose moves are prescribed: what they push goes to b.

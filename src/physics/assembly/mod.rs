@@ -11,7 +11,6 @@
 
 mod batch;
 mod bending_hessian;
-pub mod sliced_ell;
 mod colouring;
 mod constraints;
 mod couplings;
@@ -29,15 +28,15 @@ mod stencils;
 mod system;
 mod triangles;
 
-pub use sliced_ell::BlockEll;
+pub(crate) use batch::Output;
 pub(crate) use colouring::colour;
 pub use constraints::{Constraints, constrain};
 pub use couplings::Couplings;
 pub use group::Group;
-pub(crate) use batch::Output;
 pub use implicit_step::{ImplicitStep, Linearization, Places, Projection};
 pub use ordering::Ordering;
 pub use parts::Part;
 pub use pattern::{BlockPattern, Slicing};
+pub use sliced_ell::BlockEll;
 pub use stencils::Stencil;
 pub use system::{ElasticEnergy, System};

@@ -1,4 +1,4 @@
-//! A sparse symmetric matrix of 3×3 blocks.
+//! A sparse symmetric matrix of 3×3 blocks, in slices of eight rows padded to the longest (sliced ELL; Kreutzer et al. 2014).
 
 use std::sync::Arc;
 

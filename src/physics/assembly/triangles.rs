@@ -128,9 +128,10 @@ impl<T: Scalar> Term<T> for Triangles<T> {
             return self.energy_at(at.parts, at.places);
         }
         let mut stress = core::mem::take(&mut self.stress);
-        let energy = for_parts(at.parts, PerPart(&mut stress, self.batches.parts()), &|part: &Part, PerPart(stress, _)| {
-            T::dispatch(EnergyAndStress { triangles: self, part: part.index, at: at.places, stress })
-        });
+        let energy =
+            for_parts(at.parts, PerPart(&mut stress, self.batches.parts()), &|part: &Part, PerPart(stress, _)| {
+                T::dispatch(EnergyAndStress { triangles: self, part: part.index, at: at.places, stress })
+            });
         self.stress = stress;
         energy
     }

@@ -17,8 +17,8 @@ pub use quality::Quality;
 pub use report::{ClothFault, StepOutcome, StepReport};
 pub use settings::{Precision, SettingsError, SolverSettings};
 pub(crate) use shared::Shared;
-pub use snapshot::{Snapshot, SnapshotError};
 pub(super) use snapshot::{Earlier, Remembered, Turns};
+pub use snapshot::{Snapshot, SnapshotError};
 
 use crate::physics::assembly::Ordering;
 use crate::physics::assembly::parts::in_pool;

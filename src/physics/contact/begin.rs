@@ -4,9 +4,9 @@ use bevy::math::DVec3;
 
 use super::find::{Found, free};
 use super::layer::{ContactLayer, Surroundings};
-use crate::physics::terms::Substep;
 use super::meeting::Body;
 use super::touch::{Case, Touch};
+use crate::physics::terms::Substep;
 
 /// Stiffness of a touch over that of inertia in a step, m/Δt², at least.
 const OVER_INERTIA: f64 = 4.0;

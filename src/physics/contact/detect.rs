@@ -9,9 +9,9 @@ use super::features::{Features, of_shape};
 use super::find::{self, Found, Scene};
 use super::known::features_of;
 use super::layer::{ContactLayer, Surroundings};
-use crate::physics::terms::Substep;
 use super::meeting::Body;
 use super::touch::{SURFACE, Touch};
+use crate::physics::terms::Substep;
 
 /// Cosine of the angle between two planes that a vertex meets a collider at, above which they are the same side of it.
 const SAME_SIDE: f64 = 0.9;

@@ -6,9 +6,9 @@ use super::collider::Collider;
 use super::features::of_shape;
 use super::find::{self, Found, Scene};
 use super::layer::{ContactLayer, Surroundings};
-use crate::physics::terms::Substep;
 use super::meeting::{Body, Meeting};
 use super::touch::SURFACE;
+use crate::physics::terms::Substep;
 
 /// Share of the thickness that what was rescued is away from the surface.
 const MARGIN: f64 = 0.05;

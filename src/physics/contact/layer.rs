@@ -116,9 +116,8 @@ impl ContactLayer {
     /// Mean velocity of what the cloth touches, where it touches it, m/s; `None` if no touch has a force.
     pub fn surface_velocity(&self, substep: &Substep) -> Option<DVec3> {
         let active = self.touches.iter().filter(|touch| touch.is_active());
-        let (sum, count) = active.fold((DVec3::ZERO, 0), |(sum, count), touch| {
-            (sum + touch.carried - touch.point(substep.x), count + 1)
-        });
+        let (sum, count) = active
+            .fold((DVec3::ZERO, 0), |(sum, count), touch| (sum + touch.carried - touch.point(substep.x), count + 1));
         (count > 0).then(|| sum / (f64::from(count) * substep.dt))
     }
 

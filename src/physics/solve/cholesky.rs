@@ -103,7 +103,8 @@ impl Factor {
             } else if block >= rows {
                 a.block(block - rows).0[row][column].to_f64()
             } else {
-                let scalars: f64 = if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
+                let scalars: f64 =
+                    if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
                 a.diagonal(block).0[row][column].to_f64() - scalars
             };
         }

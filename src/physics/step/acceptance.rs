@@ -151,9 +151,7 @@ pub(super) fn drag_pins(step: &Step, out: &mut Vec<DVec3>) {
 /// Sum over the free vertices.
 fn sum(parts: &[Part], step: &Step, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     let held = step.start.held;
-    for_parts(parts, (), &|part: &Part, ()| {
-        part.rows.clone().filter(|&vertex| !held[vertex]).map(&term).sum::<f64>()
-    })
+    for_parts(parts, (), &|part: &Part, ()| part.rows.clone().filter(|&vertex| !held[vertex]).map(&term).sum::<f64>())
 }
 
 /// Kinetic energy of the free vertices in a frame of this velocity, J.

@@ -119,8 +119,7 @@ impl<T: Scalar> Descent<'_, '_, T> {
         }
         candidate.positions.copy_from_slice(&iterate.point);
         let State { positions, velocities } = &mut **candidate;
-        let mut potential =
-            Reached { stored: budget.stored, driven: terms.system.driven(start, &iterate.point) };
+        let mut potential = Reached { stored: budget.stored, driven: terms.system.driven(start, &iterate.point) };
         let rescues = terms.contact.guard(&step.around, start, positions, velocities);
         if rescues > 0 {
             // Like what pins are dragged to, what colliders push before them is their work.

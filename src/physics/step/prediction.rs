@@ -7,8 +7,8 @@ use super::newton::Iterate;
 use super::plan::Scheme;
 use super::state::{History, State};
 use super::substep::Step;
-use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::assembly::Projection;
+use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::contact::ContactLayer;
 use crate::physics::math::Scalar;
 use crate::physics::sweep::StrainSweep;
@@ -173,15 +173,7 @@ impl Prediction {
     }
 
     /// The state that the moves of `end` lead to, written over `out`. A `free` cloth is neither pinned nor touches anything.
-    pub fn finish(
-        &self,
-        out: &mut State,
-        scheme: Scheme,
-        end: &Iterate,
-        free: bool,
-        step: &Step,
-        parts: &[Part],
-    ) {
+    pub fn finish(&self, out: &mut State, scheme: Scheme, end: &Iterate, free: bool, step: &Step, parts: &[Part]) {
         let dt = step.start.dt;
         let lead = |vertex: usize| {
             let (x, v) = (step.start.x[vertex], step.start.v[vertex]);

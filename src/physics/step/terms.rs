@@ -194,7 +194,11 @@ mod tests {
         let x = &stage.state.positions;
         let inertial: Vec<_> = x.iter().map(|x| *x + DVec3::Y).collect();
         let gravity = DVec3::NEG_Y;
-        let step = ImplicitStep { dissipates: true, wind: DVec3::X, ..ImplicitStep::backward_euler(x, &inertial, 0.5, gravity) };
+        let step = ImplicitStep {
+            dissipates: true,
+            wind: DVec3::X,
+            ..ImplicitStep::backward_euler(x, &inertial, 0.5, gravity)
+        };
         // (M (y − x) + γ² M g + γ² α M w) / (M (1 + γ α)) of α = 1/s.
         let drift = stage.stepper.terms.system.free_drift(&step, &stage.masses);
         assert!(drift.distance((DVec3::Y + 0.25 * (gravity + DVec3::X)) / 1.5) < 1e-12, "{drift}");

@@ -160,9 +160,8 @@ impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
             let [[u1, v1], [u2, v2]] = &rest.dm_inverse;
             let load = |pack: &Pack<T>| Lanes::load(s, pack);
             let area = load(&rest.area);
-            let inverse = |which: usize| {
-                load(&Pack(batch.vertices[which].map(|vertex| inverse_masses[vertex as usize]))) * area
-            };
+            let inverse =
+                |which: usize| load(&Pack(batch.vertices[which].map(|vertex| inverse_masses[vertex as usize]))) * area;
             let triangle = Projected {
                 dm_inverse: [[load(u1), load(v1)], [load(u2), load(v2)]],
                 mobility: [inverse(0), inverse(1), inverse(2)],
@@ -193,7 +192,8 @@ mod tests {
     const SIDE: u32 = 12;
 
     fn sheet() -> RestShape {
-        let corners: Vec<_> = (0..=SIDE).flat_map(|i| (0..=SIDE).map(move |j| DVec3::new(i.into(), 0.0, j.into()))).collect();
+        let corners: Vec<_> =
+            (0..=SIDE).flat_map(|i| (0..=SIDE).map(move |j| DVec3::new(i.into(), 0.0, j.into()))).collect();
         let at = |i: u32, j: u32| i * (SIDE + 1) + j;
         let cells = (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j)));
         let triangles: Vec<_> = cells
@@ -216,7 +216,8 @@ mod tests {
         let (shape, fabric) = (sheet(), Fabric::cotton());
         let ordering = ordering(&shape);
         let parts = System::<f64>::new(&shape, &fabric, &ordering).matrix.pattern().parts().to_vec();
-        let inner = |values: &dyn Fn(usize) -> f64| ordering.outer.iter().map(|&v| values(v as usize)).collect::<Vec<_>>();
+        let inner =
+            |values: &dyn Fn(usize) -> f64| ordering.outer.iter().map(|&v| values(v as usize)).collect::<Vec<_>>();
         Stage {
             sweep: StrainSweep::new(&shape, &fabric, &ordering.inner, &parts),
             x: ordering.outer.iter().map(|&v| shape.positions[v as usize]).collect(),

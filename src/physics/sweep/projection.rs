@@ -133,7 +133,8 @@ mod tests {
         let [a00, a11, a22, a01, a02, a12] = triangle.matrix(&none, 1.0, &w);
         let columns = [[a00, a01, a02], [a01, a11, a12], [a02, a12, a22]];
         // The shear of a stress works twice.
-        let stresses = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.5)].map(|(s00, s11, s01)| Stress { s00, s11, s01 });
+        let stresses =
+            [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.5)].map(|(s00, s11, s01)| Stress { s00, s11, s01 });
         for (stress, column) in stresses.iter().zip(columns) {
             let [g1, g2] = membrane::gradient(&rest, stress, &w);
             let h = 1e-7;

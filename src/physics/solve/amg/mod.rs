@@ -8,6 +8,9 @@
 //! z ← z + P e                   z ← backward sweep from z
 //! ```
 //!
+//! The scalars F beside the finest matrix are left out, on all levels. Plates take a sixth more iterations for that, at the median.
+//! `Pᵀ F P` in the coarse matrices costs 3 to 9 % of a frame, as they get denser, and saves none of these.
+//!
 //! The prolongation P depends on the pattern alone. So the coarse matrices Pᵀ A P have fixed patterns, found once, and
 //! only their values follow A. The coarsest level is factorised.
 
