@@ -57,7 +57,13 @@ impl FullMatrix {
     pub fn new(a: &BlockCsr<f32>) -> Self {
         let count = a.pattern().row_count();
         let mut rows: Vec<Vec<(u32, M3<f32>)>> = (0..count).map(|row| vec![(row as u32, a.diagonal(row))]).collect();
+        let far = a.pattern().far();
         for row in 0..count {
+            for entry in far.row(row) {
+                let scalar = a.far()[entry];
+                rows[row][0].1 = rows[row][0].1.add_diagonal(-scalar);
+                rows[row].push((far.column(entry), M3::scaled_identity(scalar)));
+            }
             for (column, block) in a.lower_row(row) {
                 rows[row].push((column, block));
                 rows[column as usize].push((row as u32, block.transpose()));

@@ -10,6 +10,8 @@ pub struct Constraints {
     pinned: Vec<bool>,
     rows: Vec<u32>,
     couplings: Vec<Crossing>,
+    /// Likewise of the far pairs, by entry.
+    far_couplings: Vec<Crossing>,
 }
 
 impl Constraints {
@@ -22,6 +24,7 @@ impl Constraints {
         self.pinned.extend_from_slice(pinned);
         self.rows.clear();
         self.couplings.clear();
+        self.far_couplings.clear();
         for row in 0..pinned.len() {
             if pinned[row] {
                 self.rows.push(row as u32);
@@ -30,6 +33,12 @@ impl Constraints {
                 let column = pattern.column(slot);
                 if pinned[row] || pinned[column as usize] {
                     self.couplings.push(Crossing { column, row: row as u32, slot: slot as u32 });
+                }
+            }
+            for entry in pattern.far().row(row) {
+                let column = pattern.far().column(entry);
+                if pinned[row] || pinned[column as usize] {
+                    self.far_couplings.push(Crossing { column, row: row as u32, slot: entry as u32 });
                 }
             }
         }
@@ -47,6 +56,15 @@ impl Constraints {
                 b[row] -= block.times(prescribed(column));
             } else if !self.pinned[column] {
                 b[column] -= block.transposed_times(prescribed(row));
+            }
+        }
+        for &Crossing { column, row, slot } in &self.far_couplings {
+            let weight = core::mem::replace(&mut a.far_mut()[slot as usize], T::zero());
+            let row = row as usize;
+            if !self.pinned[row] {
+                // Of w (d_column − d_row), what the row itself has goes to the diagonal.
+                a.set_diagonal(row, a.diagonal(row).add_diagonal(-weight));
+                b[row] -= prescribed(column as usize) * weight;
             }
         }
         for row in self.rows.iter().map(|&row| row as usize) {

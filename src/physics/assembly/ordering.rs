@@ -1,7 +1,7 @@
 //! In which order the vertices stand in the linear system.
 //!
 //! They are sorted along the longest way through the cloth and cut into parts, which are bands across: so parts touch
-//! little. Within a part they are sorted by colour, so that successive rows are not coupled and can be worked on at once,
+//! little. Within a part they are sorted by colour, so that no block couples successive rows and they can be worked on at once,
 //! and along the way again, so that neighbours are near each other in memory.
 
 use bevy::math::DVec3;
@@ -40,10 +40,9 @@ impl Ordering {
         let part_starts: Vec<_> = (0..parts).map(|part| (count * part / parts) as u32).collect();
 
         let mut neighbours = vec![Vec::new(); count];
-        let triangles = shape.triangles.iter().map(|triangle| &triangle.vertices[..]);
-        for element in triangles.chain(shape.bending_hinges().iter().map(|hinge| &hinge.vertices[..])) {
-            for &vertex in element {
-                neighbours[vertex as usize].extend(element.iter().filter(|&&other| other != vertex));
+        for vertices in shape.triangles.iter().map(|triangle| &triangle.vertices) {
+            for &vertex in vertices {
+                neighbours[vertex as usize].extend(vertices.iter().filter(|&&other| other != vertex));
             }
         }
         let colours = colour(&neighbours, along.iter().copied());

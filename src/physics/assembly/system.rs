@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::math::DVec3;
 
 use super::batch::{self, Output};
+use super::bending_hessian::BendingHessian;
 use super::contacts;
 use super::hinges::Hinges;
 use super::implicit_step::{ImplicitStep, Linearisation};
@@ -15,7 +16,7 @@ use super::triangles::Triangles;
 use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Padded, ROWS, Scalar};
+use crate::physics::math::{M3, Pack, Padded, ROWS, Scalar};
 use crate::physics::mesh::RestShape;
 
 /// Elastic energy by term, J.
@@ -38,6 +39,7 @@ impl ElasticEnergy {
 pub struct System<T: Scalar> {
     triangles: Triangles<T>,
     hinges: Hinges<T>,
+    bending: BendingHessian<T>,
     /// x, where the cloth is to be linearised or measured, m.
     points: Vec<Padded<f64>>,
     /// x − q, see [`Linearisation`].
@@ -66,9 +68,11 @@ impl<T: Scalar> System<T> {
             hinges.iter().map(|vertices| &vertices[..]),
         );
         let zeros = vec![Padded::zero(); shape.vertex_count()];
+        let hinges = Hinges::new(shape, fabric, inner, &rank, &pattern);
         Self {
             triangles: Triangles::new(shape, fabric, inner, &rank, &pattern),
-            hinges: Hinges::new(shape, fabric, inner, &rank, &pattern),
+            bending: BendingHessian::new(&hinges, &pattern),
+            hinges,
             points: vec![Padded::zero(); shape.vertex_count()],
             moved: zeros.clone(),
             matrix: BlockCsr::zero(Arc::new(pattern)),
@@ -79,13 +83,18 @@ impl<T: Scalar> System<T> {
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.triangles.set_fabric(fabric);
-        self.hinges.measure(shape, fabric);
+        self.measure_hinges(shape, fabric);
     }
 
     /// Takes over a shape of the same elements that measure otherwise.
     pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
         self.triangles.measure(shape, &ordering.inner);
+        self.measure_hinges(shape, fabric);
+    }
+
+    fn measure_hinges(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.hinges.measure(shape, fabric);
+        self.bending.measure(&self.hinges, self.matrix.pattern());
     }
 
     /// Says that the cloth was mirrored.
@@ -116,7 +125,9 @@ impl<T: Scalar> System<T> {
     /// Says which vertices are held, so that what is clamped does not bend. (That they do not move is said by
     /// [`Constraints`](super::Constraints).)
     pub fn hold(&mut self, held: &[bool]) {
-        self.hinges.hold(held);
+        if self.hinges.hold(held) {
+            self.bending.measure(&self.hinges, self.matrix.pattern());
+        }
     }
 
     /// Says that the cloth is at `x` now, whatever was before.
@@ -142,7 +153,7 @@ impl<T: Scalar> System<T> {
 
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        let Self { triangles, hinges, points, moved, matrix, rhs } = self;
+        let Self { triangles, hinges, bending, points, moved, matrix, rhs } = self;
         let pattern = Arc::clone(matrix.pattern());
         // Relative to the first vertex, as f32 has few digits and only differences count.
         let common = step.x[0] - step.origin[0];
@@ -156,13 +167,19 @@ impl<T: Scalar> System<T> {
         });
         let linearisation = Linearisation::new(step, points, moved);
         hinges.prepare(&linearisation);
+        let material = T::from_f64(linearisation.material);
+        for (far, &weight) in matrix.far_mut().iter_mut().zip(&bending.far) {
+            *far = weight * material;
+        }
         let (diagonal, lower) = matrix.clear();
         for_parts(
             pattern.parts(),
             (diagonal, lower, &mut rhs[..]),
             &|part: &Part, (BySlice(diagonal), ByGroup(lower), rhs)| {
                 diagonal.fill(Group::zero());
-                lower.fill(Group::zero());
+                for (group, Pack(factors)) in lower.iter_mut().zip(&bending.near[part.groups.clone()]) {
+                    *group = Group::scaled_identities(factors, material);
+                }
                 // Forces first, then b.
                 rhs.fill(Padded::zero());
                 let mut out = Output::new(part, lower, rhs);

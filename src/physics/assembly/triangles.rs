@@ -1,7 +1,7 @@
 //! The membrane elements of a cloth.
 
 use super::BlockPattern;
-use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
+use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches, Slots};
 use super::implicit_step::{Linearisation, Projection};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
@@ -11,7 +11,8 @@ use crate::physics::mesh::{RestShape, Triangle};
 
 /// All triangles, in batches, the vertices of each in ascending order.
 pub(super) struct Triangles<T> {
-    batches: Batches<3, 3>,
+    batches: Batches<3>,
+    slots: Slots<3>,
     /// Which triangle of the rest shape stands at each place.
     sources: Vec<u32>,
     rest: Vec<Rest<Pack<T>>>,
@@ -36,6 +37,7 @@ impl<T: Scalar> Triangles<T> {
         let zero = Pack([T::zero(); ROWS]);
         let count = sources.len() / ROWS;
         let mut triangles = Self {
+            slots: Slots::new(&batches, pattern),
             batches,
             sources,
             // A filler has no area, so no energy, force or Hessian.
@@ -143,7 +145,7 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
         out.add_forces(s, self.batches.vertices(batch, 2), -g2);
         let hessian = membrane::hessian(&rest, &k, &projected, &w, material, geometric);
         for (pair, block) in hessian.lower_blocks().iter().enumerate() {
-            out.add_blocks(s, self.batches.slots(batch, pair), block);
+            out.add_blocks(s, self.slots.of_pair(batch, pair), block);
         }
     }
 }
