@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::implicit_step::Linearisation;
+use super::implicit_step::{Linearisation, Places};
 use super::{BlockPattern, Group, Part};
 use crate::physics::math::{Lanes, M3, Oct, Padded, ROWS, RowKernel, Scalar, V3};
 
@@ -11,15 +11,15 @@ pub(super) trait Elements<T: Scalar>: Sync {
     /// The batches of each part.
     fn batches(&self) -> &[PartBatches];
     /// Energy of the elements of a batch, J.
-    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S>;
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, at: Places<T>) -> Lanes<T, S>;
     /// Adds forces, damping included, and of the weighted projected Hessian of a batch what is below the diagonal: the rest
     /// follows from it, see [`row_sums`](super::row_sums).
     fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>);
 }
 
 /// Energy of the elements of a part, J.
-pub(super) fn energy<T: Scalar>(elements: &impl Elements<T>, part: usize, x: &[Padded<f64>]) -> f64 {
-    T::dispatch(EnergyOf { elements, part, x })
+pub(super) fn energy<T: Scalar>(elements: &impl Elements<T>, part: usize, at: Places<T>) -> f64 {
+    T::dispatch(EnergyOf { elements, part, at })
 }
 
 /// Adds what the elements have to say about the rows of a part.
@@ -27,20 +27,20 @@ pub(super) fn assemble<T: Scalar>(elements: &impl Elements<T>, at: &Linearisatio
     T::dispatch(Assemble { elements, at, out });
 }
 
-struct EnergyOf<'a, E> {
+struct EnergyOf<'a, E, T: Scalar> {
     elements: &'a E,
     part: usize,
-    x: &'a [Padded<f64>],
+    at: Places<'a, T>,
 }
 
-impl<T: Scalar, E: Elements<T>> RowKernel<T> for EnergyOf<'_, E> {
+impl<T: Scalar, E: Elements<T>> RowKernel<T> for EnergyOf<'_, E, T> {
     type Output = f64;
 
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) -> f64 {
         let mut sum = 0.0;
         for batch in self.elements.batches()[self.part].own.clone() {
-            sum += self.elements.energy(s, batch, self.x).store().sum();
+            sum += self.elements.energy(s, batch, self.at).store().sum();
         }
         sum
     }
@@ -188,26 +188,9 @@ impl<const V: usize> Batches<V> {
         self.vertices[place]
     }
 
-    /// Vertices 1… of each element relative to its vertex 0, in f64: far from the origin, and for short edges, f32 positions
-    /// would not do.
+    /// Vertices 1… of each element relative to its vertex 0: edges from places, their changes from moves.
     #[inline(always)]
-    pub fn edges<S: Oct<f64>, const E: usize>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> [V3<Lanes<f64, S>>; E] {
-        self.differences(s, batch, x)
-    }
-
-    /// How much each of those edges changes when the vertices move so far.
-    #[inline(always)]
-    pub fn edge_moves<T: Scalar, S: Oct<T>, const E: usize>(
-        &self,
-        s: S,
-        batch: usize,
-        moved: &[Padded<T>],
-    ) -> [V3<Lanes<T, S>>; E] {
-        self.differences(s, batch, moved)
-    }
-
-    #[inline(always)]
-    fn differences<T: Scalar, S: Oct<T>, const E: usize>(
+    pub fn edges<T: Scalar, S: Oct<T>, const E: usize>(
         &self,
         s: S,
         batch: usize,

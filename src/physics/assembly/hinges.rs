@@ -2,12 +2,12 @@
 
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
-use super::implicit_step::Linearisation;
+use super::implicit_step::{Linearisation, Places};
 use super::mid_edges::{self, MidEdges, Phi, turned};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar, V3};
+use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar};
 use crate::physics::mesh::{BendingModel, Hinge, RestShape};
 
 /// All hinges, in batches.
@@ -97,21 +97,15 @@ impl<T: Scalar> Hinges<T> {
             normal_floor: Lanes::load(s, normal_floor),
         }
     }
-
-    #[inline(always)]
-    fn edges<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Edges<Lanes<T, S>> {
-        let [e, a, b] = self.batches.edges(s.wide(), batch, x);
-        [V3::narrow(s, e), V3::narrow(s, a), V3::narrow(s, b)]
-    }
 }
 
 impl<T: Scalar> Hinges<T> {
-    /// Elastic energy at `x`, J.
-    pub fn total_energy(&mut self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
+    /// Elastic energy, J.
+    pub fn total_energy(&mut self, parts: &[Part], at: Places<T>) -> f64 {
         match self.mid_edges.take() {
-            None => self.total_energy_at(parts, x),
+            None => self.total_energy_at(parts, at),
             Some(mut mid_edges) => {
-                let energy = mid_edges.energy(&self.angles_at(x, None));
+                let energy = mid_edges.energy(&self.angles_at(at.local, None));
                 self.mid_edges = Some(mid_edges);
                 energy
             }
@@ -119,10 +113,10 @@ impl<T: Scalar> Hinges<T> {
     }
 
     /// The same, for those who may not change anything.
-    pub fn total_energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
+    pub fn total_energy_at(&self, parts: &[Part], at: Places<T>) -> f64 {
         match &self.mid_edges {
-            None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x)),
-            Some(mid_edges) => mid_edges.energy_at(&self.angles_at(x, None)),
+            None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, at)),
+            Some(mid_edges) => mid_edges.energy_at(&self.angles_at(at.local, None)),
         }
     }
 
@@ -130,15 +124,15 @@ impl<T: Scalar> Hinges<T> {
     pub fn prepare(&mut self, at: &Linearisation<T>) {
         if let Some(mut mid_edges) = self.mid_edges.take() {
             let damping = (at.rate > 0.0).then_some(at);
-            mid_edges.relax(&self.angles_at(at.x, damping));
+            mid_edges.relax(&self.angles_at(at.places.local, damping));
             self.mid_edges = Some(mid_edges);
         }
     }
 
     /// Before anything else is done at points that have nothing to do with those before.
-    pub fn settle(&mut self, x: &[Padded<f64>]) {
+    pub fn settle(&mut self, at: Places<T>) {
         if let Some(mut mid_edges) = self.mid_edges.take() {
-            mid_edges.settle(&self.angles_at(x, None));
+            mid_edges.settle(&self.angles_at(at.local, None));
             self.mid_edges = Some(mid_edges);
         }
     }
@@ -179,10 +173,10 @@ impl<T: Scalar> Hinges<T> {
         }
     }
 
-    /// Angles at `x`, with what damping adds to them.
-    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
+    /// Angles at these places, with what damping adds to them.
+    fn angles_at(&self, local: &[Padded<T>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
         move |part: usize, shares: &[Pack<T>], phi: &[Phi<T>], out: &mut [Phi<T>]| {
-            T::dispatch(Angles { hinges: self, part, x, damping, shares, phi, out });
+            T::dispatch(Angles { hinges: self, part, local, damping, shares, phi, out });
         }
     }
 }
@@ -190,7 +184,7 @@ impl<T: Scalar> Hinges<T> {
 struct Angles<'a, T: Scalar> {
     hinges: &'a Hinges<T>,
     part: usize,
-    x: &'a [Padded<f64>],
+    local: &'a [Padded<T>],
     damping: Option<&'a Linearisation<'a, T>>,
     shares: &'a [Pack<T>],
     phi: &'a [Phi<T>],
@@ -202,14 +196,14 @@ impl<T: Scalar> RowKernel<T> for Angles<'_, T> {
 
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) {
-        let Self { hinges, x, damping, .. } = self;
+        let Self { hinges, local, damping, .. } = self;
         let packs = self.shares.iter().zip(self.phi).zip(self.out);
         for (batch, ((share, phi), out)) in hinges.batches.parts()[self.part].own().zip(packs) {
             let rest = hinges.rest(s, batch);
-            let edges = hinges.edges(s, batch, x);
+            let edges: Edges<_> = hinges.batches.edges(s, batch, local);
             let mut deviation = hinge::deviation(hinge::theta(edges), rest.rest_angle);
             if let Some(at) = damping {
-                let moves = hinges.batches.edge_moves(s, batch, at.moved);
+                let moves = hinges.batches.edges(s, batch, at.moved);
                 let change = hinge::gradient(edges, rest.normal_floor).change(moves);
                 deviation += change * change.splat(at.rate);
             }
@@ -224,22 +218,22 @@ impl<T: Scalar> Elements<T> for Hinges<T> {
     }
 
     #[inline(always)]
-    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S> {
-        hinge::energy(&self.rest(s, batch), self.edges(s, batch, x))
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, at: Places<T>) -> Lanes<T, S> {
+        hinge::energy(&self.rest(s, batch), self.batches.edges(s, batch, at.local))
     }
 
     /// Forces alone: the Hessian is constant, see [`BendingHessian`](super::bending_hessian::BendingHessian).
     #[inline(always)]
     fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
         let rest = self.rest(s, batch);
-        let edges = self.edges(s, batch, at.x);
+        let edges: Edges<_> = self.batches.edges(s, batch, at.places.local);
         let gradient = hinge::gradient(edges, rest.normal_floor);
         let moment = match &self.mid_edges {
             Some(mid_edges) => Lanes::load(s, &mid_edges.moments(batch)),
             None => {
                 let elastic = hinge::moment(&rest, hinge::theta(edges));
                 if at.rate > 0.0 {
-                    let moves = self.batches.edge_moves(s, batch, at.moved);
+                    let moves = self.batches.edges(s, batch, at.moved);
                     elastic + hinge::rigidity(&rest) * elastic.splat(at.rate) * gradient.change(moves)
                 } else {
                     elastic
