@@ -9,8 +9,8 @@ use bevy::math::DVec3;
 use super::colouring::colour;
 use crate::physics::mesh::RestShape;
 
-/// Rows of a part, at least.
-const PART: usize = 5000;
+/// Rows of a part, at least. In parts of 2,000 a cloth of 64² takes 8 % more time on one thread, and no less than .88 on two.
+const PART: usize = 4000;
 /// Most parts.
 const MOST_PARTS: usize = 64;
 
@@ -36,7 +36,7 @@ impl Ordering {
     pub fn new(shape: &RestShape) -> Self {
         let count = shape.vertex_count();
         let along = along(&shape.positions);
-        let parts = (count / PART).clamp(1, MOST_PARTS);
+        let parts = part_count(count);
         let part_starts: Vec<_> = (0..parts).map(|part| (count * part / parts) as u32).collect();
 
         let mut neighbours = vec![Vec::new(); count];
@@ -57,6 +57,12 @@ impl Ordering {
         }
         Self { inner, outer, part_starts }
     }
+}
+
+/// A power of two, so that threads get as many parts each: in three a cloth of 141² takes nearly as long on two threads as on one.
+fn part_count(vertices: usize) -> usize {
+    let most = (vertices / PART).clamp(1, MOST_PARTS);
+    1 << most.ilog2()
 }
 
 /// The vertices from one end of the cloth to the other.
@@ -117,6 +123,11 @@ mod tests {
         // Most successive vertices have the same colour: they are far apart.
         let coupled = |pair: &[u32]| positions[pair[0] as usize].distance(positions[pair[1] as usize]) < 1.5;
         assert!(ordering.outer.windows(2).filter(|pair| coupled(pair)).count() < 50);
+    }
+
+    #[test]
+    fn parts_are_a_power_of_two() {
+        assert_eq!([0, 4096, 10_000, 19_881, 40_000, 1_000_000].map(part_count), [1, 1, 2, 4, 8, 64]);
     }
 
     #[test]

@@ -8,8 +8,11 @@
 //!
 //! The rows of a slice are not coupled, so a sweep takes them at once.
 
+use core::iter::Peekable;
+
 use super::preconditioner::invert;
 use crate::physics::assembly::parts::{BySlice, Part, for_parts};
+use crate::physics::assembly::pattern::Crossing;
 use crate::physics::assembly::slice::{self, Slice, Sum};
 use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{M3, Oct, Padded, ROWS, RowKernel, Scalar};
@@ -60,6 +63,7 @@ impl<T: Scalar> GaussSeidel<T> {
     pub fn update(&mut self, a: &BlockCsr<T>) {
         let pattern = &**a.pattern();
         for_parts(pattern.parts(), BySlice(&mut self.pivots), &|part: &Part, BySlice(pivots)| {
+            let mut incoming = pattern.incoming()[part.incoming.clone()].iter().peekable();
             for (pivots, slice) in pivots.iter_mut().zip(&pattern.slices()[part.slices.clone()]) {
                 let mut blocks = [M3::zero(); ROWS];
                 let blocks = &mut blocks[..slice.rows as usize];
@@ -67,7 +71,7 @@ impl<T: Scalar> GaussSeidel<T> {
                     let row = slice.first_row as usize + lane;
                     *block = a.diagonal(row);
                     if pattern.parts().len() > 1 {
-                        pivots.raised[lane] = coupling_across(a, part, row);
+                        pivots.raised[lane] = coupling_across(a, part, row, &mut incoming);
                         *block = block.add_diagonal(pivots.raised[lane]);
                     }
                 }
@@ -113,16 +117,20 @@ impl<T: Scalar> GaussSeidel<T> {
     }
 }
 
-/// A tenth of the norms of the blocks by which a row of a part is coupled with others.
-fn coupling_across<T: Scalar>(a: &BlockCsr<T>, part: &Part, row: usize) -> T {
+/// A tenth of the norms of the blocks by which a row of a part is coupled with others. `incoming` are those of this row and the
+/// rows below it.
+fn coupling_across<'a, T: Scalar>(
+    a: &BlockCsr<T>,
+    part: &Part,
+    row: usize,
+    incoming: &mut Peekable<impl Iterator<Item = &'a Crossing>>,
+) -> T {
     let (pattern, share) = (a.pattern(), T::from_f64(0.1));
     let mut sum = T::zero();
     for slot in pattern.row(row).take_while(|&slot| (pattern.column(slot) as usize) < part.rows.start) {
         sum += share * norm(&a.block(slot));
     }
-    let incoming = &pattern.incoming()[part.incoming.clone()];
-    let first = incoming.partition_point(|crossing| (crossing.column as usize) < row);
-    for crossing in incoming[first..].iter().take_while(|crossing| crossing.column as usize == row) {
+    while let Some(crossing) = incoming.next_if(|crossing| crossing.column as usize == row) {
         sum += share * norm(&a.block(crossing.slot as usize));
     }
     sum
