@@ -4,8 +4,8 @@
 //! A row with fewer blocks than the longest of its slice is filled up with zeros (Kreutzer et al. 2014, SELL-C-σ). Pairs of
 //! rows coupled by no more than a scalar have no block: see [`FarPairs`].
 
-use super::far_pairs::FarPairs;
 use super::Part;
+use super::far_pairs::FarPairs;
 use crate::physics::math::ROWS;
 
 /// Sparsity pattern of a symmetric matrix of 3×3 blocks: all diagonal blocks, and of the others the lower half. One of these has

@@ -123,10 +123,7 @@ impl<T: Scalar> System<T> {
         let parts = self.matrix.pattern().parts();
         place(parts, x, self.middle, &mut points, &mut local);
         let at = Places { x: &points, local: &local };
-        ElasticEnergy {
-            membrane: self.triangles.energy_at(parts, at),
-            bending: self.hinges.total_energy_at(parts, at),
-        }
+        ElasticEnergy { membrane: self.triangles.energy_at(parts, at), bending: self.hinges.total_energy_at(parts, at) }
     }
 
     /// Brings the vertices to `x`.
@@ -217,13 +214,7 @@ impl<T: Scalar> System<T> {
 }
 
 /// Writes [`Places`].
-fn place<T: Scalar>(
-    parts: &[Part],
-    x: &[DVec3],
-    middle: usize,
-    points: &mut [Padded<f64>],
-    local: &mut [Padded<T>],
-) {
+fn place<T: Scalar>(parts: &[Part], x: &[DVec3], middle: usize, points: &mut [Padded<f64>], local: &mut [Padded<T>]) {
     let middle = x.get(middle).copied().unwrap_or_default();
     for_parts(parts, (points, local), &|part: &Part, (points, local)| {
         for ((point, local), x) in points.iter_mut().zip(local).zip(&x[part.rows.clone()]) {

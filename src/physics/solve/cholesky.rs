@@ -105,7 +105,8 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
             } else if block >= b.len() {
                 a.block(block - b.len()).0[row][column].to_f64()
             } else {
-                let scalars: f64 = if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
+                let scalars: f64 =
+                    if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
                 a.diagonal(block).0[row][column].to_f64() - scalars
             };
         }
