@@ -1,11 +1,11 @@
 //! Matrices of cloths as dense ones.
 
-use bevy_cloth::physics::assembly::BlockCsr;
+use bevy_cloth::physics::assembly::BlockEll;
 use bevy_cloth::physics::math::{M3, Scalar};
 use nalgebra::DMatrix;
 
 /// All of a matrix that is not interleaved: blocks and scalars.
-pub fn dense<T: Scalar>(matrix: &BlockCsr<T>) -> DMatrix<f64> {
+pub fn dense<T: Scalar>(matrix: &BlockEll<T>) -> DMatrix<f64> {
     let (rows, far) = (matrix.pattern().row_count(), matrix.pattern().far());
     let mut a = DMatrix::zeros(3 * rows, 3 * rows);
     let mut add = |row: usize, column: usize, block: M3<T>| {

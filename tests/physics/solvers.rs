@@ -1,7 +1,7 @@
 //! The linear solvers, on matrices of real cloths.
 
 use bevy::math::DVec3;
-use bevy_cloth::physics::assembly::{BlockCsr, ImplicitStep, Ordering, System, constrain};
+use bevy_cloth::physics::assembly::{BlockEll, ImplicitStep, Ordering, System, constrain};
 use bevy_cloth::physics::math::{M3, Padded};
 use bevy_cloth::physics::solve::{PreconditionerKind, SolveError, Target, solver};
 use bevy_cloth::physics::{Fabric, SolverKind};
@@ -40,7 +40,7 @@ fn system(seed: u64) -> System<f64> {
     system
 }
 
-fn residual(a: &mut BlockCsr<f64>, b: &[Padded<f64>], d: &[Padded<f64>]) -> f64 {
+fn residual(a: &mut BlockEll<f64>, b: &[Padded<f64>], d: &[Padded<f64>]) -> f64 {
     let mut product = b.to_vec();
     a.interleave();
     a.multiply(d, &mut product);

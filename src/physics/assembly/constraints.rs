@@ -1,7 +1,7 @@
 //! Pins, exactly: a pinned vertex is no unknown.
 
 use super::pattern::Crossing;
-use super::{BlockCsr, BlockPattern};
+use super::{BlockEll, BlockPattern};
 use crate::physics::math::{M3, Padded, Scalar};
 
 /// Which vertices are pinned, and what in the matrix couples them.
@@ -47,7 +47,7 @@ impl Constraints {
     /// Turns `A d = b` into the system of the free vertices, with `d` given at the pinned ones: their columns move to the
     /// right-hand side, their rows become `I d = prescribed`. The matrix stays symmetric positive definite, so every solver
     /// and preconditioner works on it unchanged, and the answer at a pin is the prescribed one to the last bit.
-    pub fn apply<T: Scalar>(&self, a: &mut BlockCsr<T>, b: &mut [Padded<T>], prescribed: impl Fn(usize) -> Padded<T>) {
+    pub fn apply<T: Scalar>(&self, a: &mut BlockEll<T>, b: &mut [Padded<T>], prescribed: impl Fn(usize) -> Padded<T>) {
         for &Crossing { column, row, slot } in &self.couplings {
             let (row, column) = (row as usize, column as usize);
             let block = a.block(slot as usize);
@@ -77,7 +77,7 @@ impl Constraints {
 
 /// [`Constraints::apply`], once.
 pub fn constrain<T: Scalar>(
-    a: &mut BlockCsr<T>,
+    a: &mut BlockEll<T>,
     b: &mut [Padded<T>],
     pinned: &[bool],
     prescribed: impl Fn(usize) -> Padded<T>,

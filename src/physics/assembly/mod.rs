@@ -1,6 +1,6 @@
 //! From elements to the linear system of an implicit step, A d = b.
 //!
-//! [`Ordering`] numbers the vertices; [`pattern`] finds which 3×3 blocks of A exist, and where each is stored; [`block_csr`]
+//! [`Ordering`] numbers the vertices; [`pattern`] finds which 3×3 blocks of A exist, and where each is stored; [`sliced_ell`]
 //! holds their values, in [`group`]s of eight rows, and the scalars of [`far_pairs`]; `triangles` and `hinges` run the energies over
 //! batches of elements, `triangles` add into precomputed slots, `hinges` to forces alone as `bending_hessian` is constant, with the
 //! moments of `mid_edges` unless the cloth bends by hinges alone; [`System`] puts A and b together; [`Constraints`] take the
@@ -11,7 +11,6 @@
 
 mod batch;
 mod bending_hessian;
-pub mod block_csr;
 mod colouring;
 mod constraints;
 mod contacts;
@@ -25,10 +24,10 @@ pub mod parts;
 pub mod pattern;
 mod row_sums;
 pub(crate) mod slice;
+pub mod sliced_ell;
 mod system;
 mod triangles;
 
-pub use block_csr::BlockCsr;
 pub(crate) use colouring::colour;
 pub use constraints::{Constraints, constrain};
 pub use contacts::ContactTerm;
@@ -37,4 +36,5 @@ pub use implicit_step::{ImplicitStep, Projection};
 pub use ordering::Ordering;
 pub use parts::Part;
 pub use pattern::{BlockPattern, Slicing};
+pub use sliced_ell::BlockEll;
 pub use system::{ElasticEnergy, System};

@@ -13,7 +13,7 @@ use super::ordering::along;
 use super::parts::{ByGroup, BySlice, Part, for_parts};
 use super::row_sums::SubtractRows;
 use super::triangles::Triangles;
-use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
+use super::{BlockEll, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
 use crate::physics::math::{M3, Pack, Padded, ROWS, Scalar};
@@ -49,7 +49,7 @@ pub struct System<T: Scalar> {
     /// x − q, see [`Linearisation`].
     moved: Vec<Padded<T>>,
     /// A.
-    pub matrix: BlockCsr<T>,
+    pub matrix: BlockEll<T>,
     /// b, kg·m.
     pub rhs: Vec<Padded<T>>,
 }
@@ -82,7 +82,7 @@ impl<T: Scalar> System<T> {
             local: zeros.clone(),
             middle: along.get(along.len() / 2).map_or(0, |&vertex| inner[vertex as usize] as usize),
             moved: zeros.clone(),
-            matrix: BlockCsr::zero(Arc::new(pattern)),
+            matrix: BlockEll::zero(Arc::new(pattern)),
             rhs: zeros,
         }
     }

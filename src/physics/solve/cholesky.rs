@@ -13,7 +13,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::{LinearSolver, SolveError, Solved, Target};
-use crate::physics::assembly::{BlockCsr, BlockPattern};
+use crate::physics::assembly::{BlockEll, BlockPattern};
 use crate::physics::math::{Padded, ROWS, Scalar};
 
 /// Supernodal Cholesky with approximate-minimum-degree ordering, always in f64. The symbolic analysis is made once per
@@ -88,7 +88,7 @@ impl Factor {
 impl<T: Scalar> LinearSolver<T> for Cholesky {
     fn solve(
         &mut self,
-        a: &mut BlockCsr<T>,
+        a: &mut BlockEll<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         _: Target,
@@ -182,7 +182,7 @@ mod tests {
         assert!(has_numbers(1_000_000, 1_000_000, 6_000_000) && !has_numbers(1_000_000, 60_000_000, 0));
         assert!(zeros(usize::MAX / 4).is_none());
         let pattern = BlockPattern::new(1, &[0], Slicing::Any, core::iter::empty(), core::iter::empty());
-        let mut a = BlockCsr::<f64>::zero(Arc::new(pattern));
+        let mut a = BlockEll::<f64>::zero(Arc::new(pattern));
         let (b, mut d) = ([Padded::zero()], [Padded::zero()]);
         let target = Target { absolute: 0.0, relative: 0.0 };
         assert_eq!(Cholesky(None).solve(&mut a, &b, &mut d, target), Err(SolveError::TooLarge));

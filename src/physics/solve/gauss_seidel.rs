@@ -14,7 +14,7 @@ use super::preconditioner::invert;
 use crate::physics::assembly::parts::{BySlice, Part, for_parts};
 use crate::physics::assembly::pattern::Crossing;
 use crate::physics::assembly::slice::{self, Slice, Sum};
-use crate::physics::assembly::{BlockCsr, BlockPattern};
+use crate::physics::assembly::{BlockEll, BlockPattern};
 use crate::physics::math::{M3, Oct, Padded, ROWS, RowKernel, Scalar};
 
 /// Forward and backward sweeps. A forward sweep from zero, any symmetric positive semidefinite correction, and a
@@ -60,7 +60,7 @@ impl<T: Scalar> GaussSeidel<T> {
     }
 
     /// Adapts to a new matrix, not yet interleaved.
-    pub fn update(&mut self, a: &BlockCsr<T>) {
+    pub fn update(&mut self, a: &BlockEll<T>) {
         let pattern = &**a.pattern();
         for_parts(pattern.parts(), BySlice(&mut self.pivots), &|part: &Part, BySlice(pivots)| {
             let mut incoming = pattern.incoming()[part.incoming.clone()].iter().peekable();
@@ -88,7 +88,7 @@ impl<T: Scalar> GaussSeidel<T> {
 
     /// Solves `(D + R + L) z = r`, a forward sweep from zero, and returns the residual that it leaves,
     /// `r − A z = (R − Lᵀ − C) z`.
-    pub fn forward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> &[Padded<T>] {
+    pub fn forward(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> &[Padded<T>] {
         let Self { pivots, sums } = self;
         let parts = a.pattern().parts();
         for_parts(parts, (&mut *z, &mut sums[..]), &|part: &Part, (z, rest)| {
@@ -102,7 +102,7 @@ impl<T: Scalar> GaussSeidel<T> {
     }
 
     /// Solves `(D + R + Lᵀ) z' = r + (R − L − C) z`, a backward sweep from z; returns rᵀ z'.
-    pub fn backward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    pub fn backward(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         let Self { pivots, sums } = self;
         let (parts, old) = (a.pattern().parts(), &*z);
         for_parts(parts, &mut sums[..], &|part: &Part, out| {
@@ -120,7 +120,7 @@ impl<T: Scalar> GaussSeidel<T> {
 /// A tenth of the norms of the blocks by which a row of a part is coupled with others. `incoming` are those of this row and the
 /// rows below it.
 fn coupling_across<'a, T: Scalar>(
-    a: &BlockCsr<T>,
+    a: &BlockEll<T>,
     part: &Part,
     row: usize,
     incoming: &mut Peekable<impl Iterator<Item = &'a Crossing>>,
@@ -143,7 +143,7 @@ fn norm<T: Scalar>(block: &M3<T>) -> T {
 }
 
 struct Forward<'a, T: Scalar> {
-    a: &'a BlockCsr<T>,
+    a: &'a BlockEll<T>,
     pivots: &'a [Pivots<T>],
     part: &'a Part,
     r: &'a [Padded<T>],
@@ -172,7 +172,7 @@ impl<T: Scalar> RowKernel<T> for Forward<'_, T> {
 
 /// Adds `(R − C) z`.
 struct Across<'a, T: Scalar> {
-    a: &'a BlockCsr<T>,
+    a: &'a BlockEll<T>,
     pivots: &'a [Pivots<T>],
     part: &'a Part,
     z: &'a [Padded<T>],
@@ -207,7 +207,7 @@ impl<T: Scalar> RowKernel<T> for Across<'_, T> {
 }
 
 struct Backward<'a, T: Scalar> {
-    a: &'a BlockCsr<T>,
+    a: &'a BlockEll<T>,
     pivots: &'a [Pivots<T>],
     part: &'a Part,
     r: &'a [Padded<T>],
@@ -242,7 +242,7 @@ impl<T: Scalar> RowKernel<T> for Backward<'_, T> {
 #[inline(always)]
 fn left<T: Scalar, S: Oct<T>>(
     s: S,
-    a: &BlockCsr<T>,
+    a: &BlockEll<T>,
     first: usize,
     slice: &Slice,
     mut sums: [S::V; 3],
@@ -259,7 +259,7 @@ fn left<T: Scalar, S: Oct<T>>(
 #[inline(always)]
 fn scatter_left<T: Scalar, S: Oct<T>>(
     s: S,
-    a: &BlockCsr<T>,
+    a: &BlockEll<T>,
     first: usize,
     slice: &Slice,
     solved: [S::V; 3],

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::prolongation::{ENTRIES, Prolongation};
 use crate::physics::assembly::parts::{ByGroup, ByPart, BySlice, Part, for_parts};
-use crate::physics::assembly::{BlockCsr, BlockPattern, Group, Slicing};
+use crate::physics::assembly::{BlockEll, BlockPattern, Group, Slicing};
 use crate::physics::math::{M3, Oct, Pack, ROWS, RowKernel, Scalar};
 
 /// What of the product depends on the patterns alone.
@@ -159,7 +159,7 @@ impl<T: Scalar> Galerkin<T> {
     }
 
     /// `coarse = Pᵀ A P`. Rows of A that are coupled with no others (pins) stay out: smoothing alone solves them.
-    pub fn multiply(&mut self, a: &BlockCsr<T>, p: &Prolongation<T>, coarse: &mut BlockCsr<T>) {
+    pub fn multiply(&mut self, a: &BlockEll<T>, p: &Prolongation<T>, coarse: &mut BlockEll<T>) {
         let Self { starts, terms, targets, pieces, rows, scratch } = self;
         let pattern = Arc::clone(coarse.pattern());
         let (diagonal, lower) = coarse.clear();
@@ -189,7 +189,7 @@ struct Multiply<'a, T: Scalar> {
     terms: &'a [[u16; ENTRIES]],
     targets: &'a [[Target; ENTRIES]],
     rows: &'a [u32],
-    a: &'a BlockCsr<T>,
+    a: &'a BlockEll<T>,
     p: &'a Prolongation<T>,
     coarse: &'a BlockPattern,
     part: &'a Part,

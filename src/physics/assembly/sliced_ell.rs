@@ -1,4 +1,4 @@
-//! A sparse symmetric matrix of 3×3 blocks.
+//! A sparse symmetric matrix of 3×3 blocks, in slices of eight rows padded to the longest (sliced ELL; Kreutzer et al. 2014).
 
 use std::sync::Arc;
 
@@ -12,9 +12,9 @@ use crate::physics::math::{Kernel, M3, Oct, Padded, ROWS, RowKernel, Scalar, dis
 /// and with it alone preconditioners are positive definite too.
 ///
 /// Blocks are added to the matrix one by one, but it is multiplied [`ROWS`] rows at once. So there are two stages: while it is
-/// filled each block stands on its own, after [`BlockCsr::interleave`] the entries of a group stand side by side.
+/// filled each block stands on its own, after [`BlockEll::interleave`] the entries of a group stand side by side.
 #[derive(Clone, Debug)]
-pub struct BlockCsr<T> {
+pub struct BlockEll<T> {
     pattern: Arc<BlockPattern>,
     /// D, by slice.
     diagonal: Vec<Group<T>>,
@@ -27,7 +27,7 @@ pub struct BlockCsr<T> {
     pub fixed: Vec<bool>,
 }
 
-impl<T: Scalar> BlockCsr<T> {
+impl<T: Scalar> BlockEll<T> {
     /// The zero matrix of a pattern.
     pub fn zero(pattern: Arc<BlockPattern>) -> Self {
         let diagonal = vec![Group::zero(); pattern.slices().len()];
@@ -172,7 +172,7 @@ impl<T: Scalar> Kernel for Interleave<'_, T> {
 }
 
 struct Multiply<'a, T: Scalar> {
-    a: &'a BlockCsr<T>,
+    a: &'a BlockEll<T>,
     part: &'a Part,
     x: &'a [Padded<T>],
     y: &'a mut [Padded<T>],
