@@ -1,7 +1,7 @@
 //! Pairs of rows that are coupled by a scalar, a multiple of the identity.
 //!
-//! These are the vertices opposite an edge, which bending alone couples: see [`BendingHessian`](super::bending_hessian). A block
-//! for each would double the matrix. They stand beside it, in both rows, so that each row is summed up on its own.
+//! These are the vertices opposite an edge, which bending alone couples (`bending_hessian`). A block for each would double the
+//! matrix. They stand beside it, in both rows, so that each row is summed up on its own.
 
 use core::ops::Range;
 

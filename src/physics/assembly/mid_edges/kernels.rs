@@ -46,7 +46,12 @@ impl<T: Scalar> Packs<'_, T> {
     #[inline(always)]
     fn gather<S: Oct<T>>(&self, s: S, sides: &[Side; ROWS]) -> Lanes<T, S> {
         let phi = self.phi.as_flattened().as_flattened();
-        Lanes::load(s, &Pack(sides.map(|side| phi[side.place()])))
+        // No closure: it would not be compiled for S.
+        let mut gathered = [T::zero(); ROWS];
+        for (value, side) in gathered.iter_mut().zip(sides) {
+            *value = phi[side.place()];
+        }
+        Lanes::load(s, &Pack(gathered))
     }
 }
 

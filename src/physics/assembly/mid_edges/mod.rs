@@ -241,7 +241,11 @@ impl<T: Scalar> MidEdges<T> {
     #[inline(always)]
     pub fn moments(&self, batch: usize) -> Pack<T> {
         let moments = self.moments.as_flattened();
-        Pack(self.places[batch].map(|edge| moments[edge as usize]))
+        let mut gathered = [T::zero(); ROWS];
+        for (moment, &edge) in gathered.iter_mut().zip(&self.places[batch]) {
+            *moment = moments[edge as usize];
+        }
+        Pack(gathered)
     }
 }
 
