@@ -24,6 +24,7 @@ pub mod parts;
 pub mod pattern;
 mod row_sums;
 pub(crate) mod slice;
+pub mod sliced_ell;
 mod stencils;
 mod system;
 mod triangles;

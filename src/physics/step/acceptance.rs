@@ -14,7 +14,7 @@
 use bevy::math::DVec3;
 
 use super::state::State;
-use super::substep::Step;
+use super::substep::{Step, mean_velocity};
 use super::terms::Terms;
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::cloth::StepReport;
@@ -37,12 +37,14 @@ pub(super) struct Account {
 /// The energy a substep starts with, J.
 #[derive(Clone, Copy)]
 pub(super) struct Budget {
+    /// Velocity of the frame that it is counted in, m/s.
+    pub frame: DVec3,
     /// Kinetic energy, and potentials at xₙ with the pins at their new places.
     pub start: f64,
     /// The part of that which depends on positions alone.
     pub stored: f64,
     /// What Φ may gain.
-    pub tolerance: f64,
+    tolerance: f64,
     /// What kinetic energy and potentials may gain.
     pub gain: f64,
 }
@@ -54,6 +56,13 @@ pub(super) struct Reached {
     pub stored: f64,
     /// What depends on the substep too.
     pub driven: f64,
+}
+
+impl Budget {
+    /// The same with more to start with, J.
+    pub fn with(self, more: f64) -> Self {
+        Self { start: self.start + more, ..self }
+    }
 }
 
 impl Reached {
@@ -70,9 +79,23 @@ impl Reached {
 
 impl Account {
     /// What a substep may spend. `dragged` is memory for where pins drag the cloth.
+    ///
+    /// Any frame bounds the energy, and no rule may prefer one at home to one on a train. In the frame of pins that move evenly their work
+    /// is nothing. Where they leap there is much kinetic energy in it; in the frame of the cloth as a whole their work is told by how
+    /// far they drag it, and of the two that counts in which the cloth may spend less.
     pub fn open<T: Scalar>(&mut self, terms: &mut Terms<T>, step: &Step, dragged: &mut Vec<DVec3>) -> Budget {
+        let now = *self.stored.get_or_insert_with(|| terms.system.stored(step.start.x, true));
+        let by_pins = self.budget(now, terms, step, dragged);
+        if !step.pins_leap() {
+            return by_pins;
+        }
+        let by_cloth = self.budget(now, terms, &step.in_frame(step.mean_velocity()), dragged);
+        if by_cloth.start < by_pins.start { by_cloth } else { by_pins }
+    }
+
+    /// The same in the frame of `step`.
+    fn budget<T: Scalar>(&self, now: f64, terms: &mut Terms<T>, step: &Step, dragged: &mut Vec<DVec3>) -> Budget {
         let start = &step.start;
-        let now = *self.stored.get_or_insert_with(|| terms.system.stored(start.x, true));
         let kinetic = kinetic(terms.parts(), step, start.frame, start.v);
         let fall = start.mass * start.gravity.length_squared() * start.dt * start.dt;
         let tolerance = TOLERANCE * (kinetic + now + fall);
@@ -86,7 +109,8 @@ impl Account {
         } else {
             now
         };
-        Budget { start: kinetic + stored + driven, stored, tolerance, gain: (tolerance - self.surplus).max(0.0) }
+        let gain = (tolerance - self.surplus).max(0.0);
+        Budget { frame: start.frame, start: kinetic + stored + driven, stored, tolerance, gain }
     }
 
     /// The stored potential of a candidate, J, if it is finite and within the budget, slowed down a little if need be.
@@ -128,14 +152,26 @@ impl Account {
                 return false;
             }
             report.velocity_clamps += 1;
-            let scale = (allowed / kinetic).sqrt();
-            let frame = step.start.frame;
-            for v in &mut candidate.velocities {
-                *v = frame + scale * (*v - frame);
-            }
+            scale_down(candidate, kinetic, allowed, parts, step);
         }
         self.surplus = (self.surplus + kinetic.min(allowed) - before).max(0.0);
         true
+    }
+}
+
+/// Scales velocities so that the kinetic energy in the frame of the substep falls to what is allowed: about their mean, which is
+/// momentum, if nothing pins the cloth and that is enough, else about the frame.
+fn scale_down(State { velocities, .. }: &mut State, kinetic: f64, allowed: f64, parts: &[Part], step: &Step) {
+    let start = &step.start;
+    let mean = mean_velocity(start.masses, start.mass, velocities);
+    let of_mean = 0.5 * start.mass * mean.distance_squared(start.frame);
+    let (center, scale) = if !step.pins.any() && of_mean < allowed {
+        (mean, ((allowed - of_mean) / self::kinetic(parts, step, mean, velocities)).sqrt())
+    } else {
+        (start.frame, (allowed / kinetic).sqrt())
+    };
+    for v in velocities {
+        *v = center + scale * (*v - center);
     }
 }
 

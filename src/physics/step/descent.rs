@@ -210,7 +210,7 @@ impl<T: Scalar> Descent<'_, '_, T> {
             *v = (new - old) / start.dt;
         }
         terms.contact.settle(&candidate.positions);
-        let budget = Budget { start: budget.start + terms.work(step, &candidate.positions), ..*budget };
+        let budget = budget.with(terms.work(step, &candidate.positions));
         account.slow_down(0.0, &budget, potential, terms.parts(), candidate, step, report);
     }
 }

@@ -101,11 +101,12 @@ impl<T: Scalar> Stepper<T> {
     fn step(&mut self, step: &Step, report: &mut StepReport) -> Result<(), ClothFault> {
         let Self { terms, newton, sweep, history, account, impact, next, memory } = self;
         let Memory { prediction, iterate } = core::mem::take(memory);
-        let start = &step.start;
 
         // 2. Budget: first, as a solve changes the turns of mid-edge normals, and with them the energy.
         let mut dragged = iterate;
         let budget = account.open(terms, step, &mut dragged.point);
+        let step = &step.in_frame(budget.frame);
+        let start = &step.start;
 
         // 3. Begin the terms.
         let finding = Instant::now();
@@ -150,6 +151,7 @@ impl<T: Scalar> Stepper<T> {
                 terms.system.settle(start.x);
                 account.stored = None;
                 let budget = account.open(terms, step, &mut iterate.point);
+                let step = &step.in_frame(budget.frame);
                 let (prediction, iterate) = (&mut prediction, &mut iterate);
                 Descent { terms, newton, step, prediction, iterate, candidate: next }.run(budget, account, report)
             }

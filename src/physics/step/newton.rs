@@ -265,7 +265,7 @@ impl<T: Scalar> Newton<T> {
             system.matrix.interleave();
             system.matrix.multiply(solution, residual);
             let rest = |vertex: usize| DVec3::from((system.rhs[vertex] - residual[vertex]).to_f64());
-            rigid::correct(moves, rest, point, masses);
+            rigid::correct(moves, drift, rest, point, masses);
         }
         report.solve += assembled.elapsed().saturating_sub(solved.preparation);
         Ok(())

@@ -70,10 +70,10 @@ impl Pins {
         self.pins.iter().map(|pin| values[pin.vertex as usize]).sum::<DVec3>() / self.pins.len() as f64
     }
 
-    /// Mean of the way to the waypoints, m; `None` if no vertex is held.
-    pub fn mean_way(&self, positions: &[DVec3]) -> Option<DVec3> {
+    /// Mean of the velocities that the pins have in a substep of `dt` seconds from `positions`, m/s; `None` if no vertex is held.
+    pub fn mean_velocity(&self, positions: &[DVec3], dt: f64) -> Option<DVec3> {
         let ways = self.pins.iter().map(|pin| pin.waypoint - positions[pin.vertex as usize]);
-        self.any().then(|| ways.sum::<DVec3>() / self.pins.len() as f64)
+        self.any().then(|| ways.sum::<DVec3>() / (dt * self.pins.len() as f64))
     }
 
     /// Sets the waypoints a straight line onwards, with so many substeps `remaining`. The last ends on the target itself.

@@ -7,6 +7,9 @@ use super::state::State;
 use crate::physics::contact::{Collider, ContactSettings, Surroundings};
 use crate::physics::terms::Substep;
 
+/// How much faster pins must get against the cloth, as a share of how fast they are against it, to leap.
+const LEAP: f64 = 1e-3;
+
 /// A substep of a cloth with its pins and colliders: nothing of it changes while the substep is taken.
 #[derive(Clone, Copy)]
 pub(in crate::physics) struct Step<'a> {
@@ -31,6 +34,27 @@ pub(in crate::physics) struct World<'a> {
     pub contact: ContactSettings,
 }
 
+impl Step<'_> {
+    /// The same with energies counted in a frame of another velocity, m/s.
+    pub fn in_frame(&self, frame: DVec3) -> Self {
+        Self { start: Substep { frame, ..self.start }, ..*self }
+    }
+
+    /// Of the cloth, m/s.
+    pub fn mean_velocity(&self) -> DVec3 {
+        mean_velocity(self.start.masses, self.start.mass, self.start.v)
+    }
+
+    /// Whether pins move faster against the cloth than in the substep before.
+    pub fn pins_leap(&self) -> bool {
+        let Substep { x, v, dt, .. } = self.start;
+        self.pins.mean_velocity(x, dt).is_some_and(|now| {
+            let mean = self.mean_velocity();
+            now.distance(mean) > (1.0 + LEAP) * self.pins.mean(v).distance(mean)
+        })
+    }
+}
+
 impl World<'_> {
     /// The substep of `dt` seconds that begins and ends at these shares of the step, from a state and with the waypoints of pins set.
     pub fn substep<'a>(
@@ -43,12 +67,16 @@ impl World<'_> {
     ) -> Step<'a> {
         let Self { masses, mass, gravity, wind, colliders, contact: settings } = *self;
         let (x, v, held) = (&state.positions[..], &state.velocities[..], pins.held());
-        let mean = || masses.iter().zip(v).map(|(&mass, &v)| mass * v).sum::<DVec3>() / mass;
-        let frame = pins.mean_way(x).map_or_else(mean, |way| way / dt);
+        let frame = pins.mean_velocity(x, dt).unwrap_or_else(|| mean_velocity(masses, mass, v));
         Step {
             start: Substep { x, v, held, masses, mass, gravity, wind, frame, dt, from, to },
             pins,
             around: Surroundings { colliders, settings, is_impact, from, to },
         }
     }
+}
+
+/// Momentum over mass, m/s.
+pub(super) fn mean_velocity(masses: &[f64], mass: f64, velocities: &[DVec3]) -> DVec3 {
+    masses.iter().zip(velocities).map(|(&mass, &v)| mass * v).sum::<DVec3>() / mass
 }

@@ -18,7 +18,7 @@ use super::assembly::Part;
 use super::assembly::parts::for_parts;
 use super::energy::membrane::Orthotropic;
 use super::material::Fabric;
-use super::math::{Lanes, Oct, Pack, Padded, RowKernel, Scalar, V3};
+use super::math::{Lanes, Oct, Pack, Padded, ROWS, RowKernel, Scalar, V3};
 use super::mesh::RestShape;
 
 /// A vertex in a sweep.
@@ -158,28 +158,71 @@ impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
         let Self { batches, rest, compliance, inverse_masses, first_vertex, points, square } = self;
         for (batch, rest) in batches.iter().zip(rest) {
             let [[u1, v1], [u2, v2]] = &rest.dm_inverse;
-            let load = |pack: &Pack<T>| Lanes::load(s, pack);
-            let area = load(&rest.area);
-            let inverse =
-                |which: usize| load(&Pack(batch.vertices[which].map(|vertex| inverse_masses[vertex as usize]))) * area;
+            let area = Lanes::load(s, &rest.area);
+            let [m0, m1, m2] = [
+                mobility(s, &batch.vertices[0], inverse_masses, area),
+                mobility(s, &batch.vertices[1], inverse_masses, area),
+                mobility(s, &batch.vertices[2], inverse_masses, area),
+            ];
             let triangle = Projected {
-                dm_inverse: [[load(u1), load(v1)], [load(u2), load(v2)]],
-                mobility: [inverse(0), inverse(1), inverse(2)],
+                dm_inverse: [[area.like(u1), area.like(v1)], [area.like(u2), area.like(v2)]],
+                mobility: [m0, m1, m2],
             };
-            let gather = |which: usize, of: &dyn Fn(&Point<T>) -> Padded<T>| {
-                let rows = batch.vertices[which].map(|vertex| of(&points[vertex as usize - first_vertex]));
-                V3::of(s, s.turn(rows))
-            };
-            let (at, moved) = (|point: &Point<T>| point.at, |point: &Point<T>| point.moved);
-            let (a, m) = (gather(0, &at), gather(0, &moved));
-            let edges = [gather(1, &at) - a, gather(2, &at) - a];
-            let changes = [gather(1, &moved) - m, gather(2, &moved) - m];
-            for (which, V3([x, y, z])) in triangle.moves(compliance, square, edges, changes).into_iter().enumerate() {
-                for (&vertex, moved) in batch.vertices[which].iter().zip(s.turn_back([x.v, y.v, z.v])) {
-                    points[vertex as usize - first_vertex].moved += moved;
-                }
-            }
+            let (a0, d0) = gather(s, &batch.vertices[0], first_vertex, points);
+            let (a1, d1) = gather(s, &batch.vertices[1], first_vertex, points);
+            let (a2, d2) = gather(s, &batch.vertices[2], first_vertex, points);
+            let [m0, m1, m2] = triangle.moves(compliance, square, [a1 - a0, a2 - a0], [d1 - d0, d2 - d0]);
+            scatter(s, &batch.vertices[0], first_vertex, m0, points);
+            scatter(s, &batch.vertices[1], first_vertex, m1, points);
+            scatter(s, &batch.vertices[2], first_vertex, m2, points);
         }
+    }
+}
+
+// Functions, as closures and `map` are not compiled for the instruction set of a kernel.
+
+/// A/m of one vertex of each triangle, m²/kg.
+#[inline(always)]
+fn mobility<T: Scalar, S: Oct<T>>(
+    s: S,
+    vertices: &[u32; ROWS],
+    inverse_masses: &[T],
+    area: Lanes<T, S>,
+) -> Lanes<T, S> {
+    let mut inverse = [T::zero(); ROWS];
+    for (inverse, &vertex) in inverse.iter_mut().zip(vertices) {
+        *inverse = inverse_masses[vertex as usize];
+    }
+    Lanes::load(s, &Pack(inverse)) * area
+}
+
+/// Where one vertex of each triangle was when the step began, and how far it has moved since, m.
+#[inline(always)]
+fn gather<T: Scalar, S: Oct<T>>(
+    s: S,
+    vertices: &[u32; ROWS],
+    first_vertex: usize,
+    points: &[Point<T>],
+) -> (V3<Lanes<T, S>>, V3<Lanes<T, S>>) {
+    let (mut at, mut moved) = ([Padded::zero(); ROWS], [Padded::zero(); ROWS]);
+    for (lane, &vertex) in vertices.iter().enumerate() {
+        let point = &points[vertex as usize - first_vertex];
+        (at[lane], moved[lane]) = (point.at, point.moved);
+    }
+    (V3::of(s, s.turn(at)), V3::of(s, s.turn(moved)))
+}
+
+/// Moves one vertex of each triangle on.
+#[inline(always)]
+fn scatter<T: Scalar, S: Oct<T>>(
+    s: S,
+    vertices: &[u32; ROWS],
+    first_vertex: usize,
+    V3([x, y, z]): V3<Lanes<T, S>>,
+    points: &mut [Point<T>],
+) {
+    for (&vertex, moved) in vertices.iter().zip(s.turn_back([x.v, y.v, z.v])) {
+        points[vertex as usize - first_vertex].moved += moved;
     }
 }
 

@@ -43,8 +43,8 @@ impl<R: Real> Projected<R> {
         let w = rest.deformation([e1 + d1, e2 + d2]);
         let stress = solve(self.matrix(compliance, square, &w), &off);
         let [g1, g2] = membrane::gradient(&rest, &stress, &w);
-        let [m0, m1, m2] = self.mobility.map(|mobility| mobility * half.splat(-square));
-        [-(g1 + g2) * m0, g1 * m1, g2 * m2]
+        let ([m0, m1, m2], scale) = (self.mobility, half.splat(-square));
+        [-(g1 + g2) * (m0 * scale), g1 * (m1 * scale), g2 * (m2 * scale)]
     }
 
     /// K⁻¹ + γ² A Σ GᵢGᵢᵀ/mᵢ in (ε00, ε11, ε01), as its entries 00, 11, 22, 01, 02, 12.
