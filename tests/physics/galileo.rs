@@ -73,15 +73,7 @@ fn a_cloth_falls_on_a_box_that_moves_as_on_one_that_stands() {
         for step in 0..60 {
             home.step(&[], true);
             away.step(&[], true);
-            let dv = home
-                .cloth
-                .velocities()
-                .iter()
-                .zip(away.cloth.velocities())
-                .map(|(a, b)| a.distance(*b - velocity))
-                .fold(0.0, f64::max);
             let difference = difference(&home, &away);
-            println!("{step} d {difference:e} dv {dv:e}");
             assert!(difference < 1e-7, "{velocity}, step {step}: {difference:e} m");
         }
     }
@@ -116,10 +108,7 @@ fn a_cloth_on_a_box_that_moves_comes_to_rest() {
                 ride.fastest()
             });
             let fastest = fastest.fold(0.0, f64::max);
-            println!("{velocity} {level} {fastest}");
-            if false {
-                assert!(fastest < 0.02, "{velocity}, {level}: {fastest} m/s");
-            }
+            assert!(fastest < 0.01, "{velocity}, {level}: {fastest} m/s");
         }
     }
 }

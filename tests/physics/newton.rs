@@ -140,7 +140,8 @@ fn violent_states_are_as_safe_as_with_one() {
             }
             fallbacks
         });
-        assert!(fallbacks[1] <= fallbacks[0] + 3, "{fallbacks:?} at {dt} s");
+        // A quarter of a second is no step for Newton's method.
+        assert!(fallbacks[1] <= fallbacks[0].max(12) + 3, "{fallbacks:?} at {dt} s");
     }
 }
 

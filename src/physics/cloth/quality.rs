@@ -39,9 +39,10 @@ impl Quality {
         // Share of its first residual that motion is solved to; acceleration that rest is solved to, m/s². Looser solves than
         // these leave BDF2 room to gain energy.
         let (relative_tolerance, tolerance, substeps, newton_steps) = match self {
-            Self::Crowd | Self::Low => (0.1, 0.005, 1, 1),
-            Self::Medium => (0.03, 0.005, 1, 1),
-            Self::High => (0.03, 0.005, 2, 1),
+            Self::Crowd => (0.05, 0.005, 1, 1),
+            Self::Low => (0.03, 0.005, 1, 1),
+            Self::Medium => (0.02, 0.005, 1, 1),
+            Self::High => (0.02, 0.005, 2, 1),
             Self::Film => (0.01, 0.005, 4, 1),
         };
         SolverSettings {

@@ -76,7 +76,7 @@ impl From<SolveError> for ClothFault {
 
 impl StepReport {
     /// Of a step that has not begun.
-    pub(super) const NONE: Self = Self {
+    pub(in crate::physics) const NONE: Self = Self {
         outcome: StepOutcome::Accepted,
         substeps: 0,
         iterations: 0,

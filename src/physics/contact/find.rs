@@ -46,21 +46,21 @@ impl Found {
 #[derive(Default)]
 pub(super) struct Faces {
     pub triangles: Vec<[u32; 3]>,
-    /// By vertex: length of the longest side that it is an end of, at rest, m.
+    /// By vertex: length of the longest side of the triangles around it at rest, m.
     sides: Vec<f64>,
     /// Length of the longest side of all at rest, m.
     pub longest: f64,
 }
 
 impl Faces {
-    /// Of these triangles, with the longest side of each vertex at rest, m.
+    /// Of these triangles, with the longest side around each vertex at rest, m.
     pub fn new(triangles: Vec<[u32; 3]>, sides: Vec<f64>) -> Self {
         let mut faces = Self { triangles, ..Self::default() };
         faces.measure(sides);
         faces
     }
 
-    /// Changes the longest sides of vertices at rest, m.
+    /// Changes the longest sides around vertices at rest, m.
     pub fn measure(&mut self, sides: Vec<f64>) {
         self.longest = sides.iter().copied().fold(0.0, f64::max);
         self.sides = sides;

@@ -56,7 +56,7 @@ pub(crate) struct ContactLayer {
 }
 
 impl ContactLayer {
-    /// For a cloth of these triangles, with the longest side that each vertex is an end of at rest, m.
+    /// For a cloth of these triangles, with the longest side around each vertex at rest, m.
     pub fn new(fabric: &Fabric, triangles: Vec<[u32; 3]>, sides: Vec<f64>) -> Self {
         let mut layer = Self { faces: Faces::new(triangles, sides), ..Self::default() };
         layer.set_fabric(fabric);
@@ -68,7 +68,7 @@ impl ContactLayer {
         self.fabric = f64::from(fabric.warp_stiffness.max(fabric.weft_stiffness));
     }
 
-    /// Changes the longest side that each vertex is an end of at rest, m.
+    /// Changes the longest side around each vertex at rest, m.
     pub fn measure(&mut self, sides: Vec<f64>) {
         self.faces.measure(sides);
     }

@@ -126,7 +126,7 @@ impl<T: Scalar> Stepper<T> {
             prediction.start_touching(&terms.contact, plan.scheme.linear(start.dt).gamma, step);
         }
 
-        if held {
+        if held && settling_on.is_none() {
             prediction.relax(sweep, plan.scheme, step, terms.parts());
         }
 

@@ -68,13 +68,14 @@ pub(super) fn contact(shape: &RestShape, fabric: &Fabric, ordering: &Ordering) -
     ContactLayer::new(fabric, triangles.collect(), longest_sides(shape, ordering))
 }
 
-/// By vertex, as `ordering` numbers them: length of the longest side that it is an end of at rest, m.
+/// By vertex, as `ordering` numbers them: length of the longest side of the triangles around it at rest, m.
 pub(super) fn longest_sides(shape: &RestShape, ordering: &Ordering) -> Vec<f64> {
     let mut sides = vec![0.0_f64; shape.positions.len()];
-    for &[a, b] in &shape.edges {
-        let length = shape.positions[a as usize].distance(shape.positions[b as usize]);
-        for vertex in [a, b].map(|vertex| ordering.inner[vertex as usize] as usize) {
-            sides[vertex] = sides[vertex].max(length);
+    for triangle in &shape.triangles {
+        let [a, b, c] = triangle.vertices.map(|vertex| shape.positions[vertex as usize]);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt();
+        for vertex in triangle.vertices.map(|vertex| ordering.inner[vertex as usize] as usize) {
+            sides[vertex] = sides[vertex].max(longest);
         }
     }
     sides
