@@ -60,9 +60,9 @@ pub mod prelude {
         ATTRIBUTE_CLOTH_PIN, ClothBudget, ClothBudgetReport, ClothCollider, ClothColliderError, ClothColliderKind,
         ClothCollidesWith, ClothContact, ClothContacts, ClothDefaultQuality, ClothDiagnosticsPlugin, ClothDisabled,
         ClothError, ClothGravity, ClothId, ClothImportance, ClothInertia, ClothLayers, ClothMaterial, ClothMesh,
-        ClothMeshCollider, ClothMeshShape, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality, ClothReset,
-        ClothRestore, ClothShape, ClothShapeError, ClothShapePart, ClothSnapshot, ClothSolver, ClothSource, ClothState,
-        ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
+        ClothMeshCollider, ClothMeshShape, ClothPart, ClothPinTargets, ClothPins, ClothPlugin, ClothQuality,
+        ClothReset, ClothRestore, ClothShape, ClothShapeError, ClothShapePart, ClothSnapshot, ClothSolver, ClothSource,
+        ClothState, ClothSystems, ClothTeleport, ClothTouch, PinChannel, PinRule, PinVertex,
     };
     #[cfg(feature = "debug")]
     pub use crate::plugin::{ClothDebugPlugin, ClothGizmos};

@@ -56,12 +56,12 @@ fn restart(_: On<SceneReset>, mut figures: Figures) {
     figures.pose(0.0);
 }
 
-/// No part goes as far as this in one step, unless it is put somewhere else; in metres.
-const JUMP: f32 = 0.25;
+/// No part goes as fast as this, unless it is put somewhere else; in metres per second.
+const JUMP: f32 = 15.0;
 
 /// After a reset the bodies are somewhere else without having gone there.
 fn notice_jumps(made: On<Add, ClothCollider>, mut colliders: Query<&mut ClothCollider>) {
     if let Ok(mut collider) = colliders.get_mut(made.entity) {
-        collider.teleport_distance = JUMP;
+        collider.teleport_speed = JUMP;
     }
 }

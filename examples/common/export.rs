@@ -10,12 +10,14 @@ use std::path::Path;
 
 /// Writes every cloth as it hangs now, in world space, as binary glTF.
 pub fn write_cloths(world: &mut World, path: &Path) -> Result<(), String> {
-    let mut cloths = world.query_filtered::<(&Mesh3d, &GlobalTransform, Option<&Name>), With<ClothState>>();
+    let mut cloths = world.query::<&ClothState>();
+    let mut places = world.query::<(&GlobalTransform, Option<&Name>)>();
     let meshes = world.resource::<Assets<Mesh>>();
     let mut exported = Vec::new();
-    for (index, (mesh, transform, name)) in cloths.iter(world).enumerate() {
+    for (index, part) in cloths.iter(world).flat_map(ClothState::parts).enumerate() {
+        let (transform, name) = places.get(world, part.entity()).map_err(|error| error.to_string())?;
         let name = name.map_or_else(|| format!("Cloth{index}"), |name| name.to_string());
-        let mesh = meshes.get(&mesh.0).ok_or_else(|| format!("{name} has lost its mesh"))?;
+        let mesh = meshes.get(part.own_mesh()).ok_or_else(|| format!("{name} has lost its mesh"))?;
         exported.push(draped(name, mesh, transform)?);
     }
     std::fs::write(path, to_glb(&exported)?).map_err(|error| format!("cannot write {}: {error}", path.display()))

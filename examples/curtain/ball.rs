@@ -42,7 +42,7 @@ pub fn build(world: &mut World) {
     ball.insert((Name::new("Ball"), Ball { velocity: THROW }));
     if let Some(mut collider) = ball.get_mut::<ClothCollider>() {
         // Back to the hand it jumps.
-        collider.teleport_distance = 0.5;
+        collider.teleport_speed = 30.0;
     }
 }
 

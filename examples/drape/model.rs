@@ -185,15 +185,19 @@ fn animate(world: &mut World, model: &Model, root: Entity, file: &Handle<Gltf>) 
 }
 
 fn make_cloth(world: &mut World, model: &Model, root: Entity) -> Result<Progress, String> {
-    let cloths = find_cloths(world, model, root)?;
+    let meshes = find_meshes(world, model, root)?;
     if model.framed {
-        framing::frame(world, root, &cloths);
+        framing::frame(world, root, &meshes);
     }
-    for cloth in cloths {
-        let pins =
-            if has_pin_weights(world, cloth) { ClothPins::default() } else { top_edge(world, cloth, model.pin_top) };
-        show_both_sides(world, cloth);
-        world.entity_mut(cloth).insert((
+    let mut nodes: Vec<Entity> = meshes.iter().filter_map(|&mesh| Some(world.get::<ChildOf>(mesh)?.parent())).collect();
+    nodes.dedup();
+    for node in nodes {
+        // All primitives of a node are one cloth, in the order of the children.
+        let primitives: Vec<Entity> = world.get::<Children>(node).into_iter().flatten().copied().collect();
+        let weighted = primitives.iter().any(|&primitive| has_pin_weights(world, primitive));
+        let pins = if weighted { ClothPins::default() } else { top_edge(world, &primitives, model.pin_top) };
+        primitives.into_iter().for_each(|primitive| show_both_sides(world, primitive));
+        world.entity_mut(node).insert((
             ClothMesh { rest_flat: model.rest_flat, ..default() },
             ClothMaterial(model.fabric),
             pins,
@@ -203,7 +207,7 @@ fn make_cloth(world: &mut World, model: &Model, root: Entity) -> Result<Progress
 }
 
 /// The meshes of the node asked for. A node's primitives are entities below the one that carries its name.
-fn find_cloths(world: &World, model: &Model, root: Entity) -> Result<Vec<Entity>, String> {
+fn find_meshes(world: &World, model: &Model, root: Entity) -> Result<Vec<Entity>, String> {
     let meshes: Vec<(Entity, &str)> = descendants(world, root)
         .into_iter()
         .filter(|&entity| world.entity(entity).contains::<Mesh3d>())
@@ -235,8 +239,9 @@ fn has_pin_weights(world: &World, entity: Entity) -> bool {
 }
 
 /// Holds the vertices within `share` of the cloth's height from its top, as it hangs in the world.
-fn top_edge(world: &World, entity: Entity, share: f32) -> ClothPins {
-    let heights = framing::world_positions(world, entity).into_iter().map(|position| position.y);
+fn top_edge(world: &World, meshes: &[Entity], share: f32) -> ClothPins {
+    let positions = meshes.iter().flat_map(|&mesh| framing::world_positions(world, mesh));
+    let heights = positions.map(|position| position.y);
     let heights: Vec<f32> = heights.collect();
     let top = heights.iter().copied().fold(f32::MIN, f32::max);
     let bottom = heights.iter().copied().fold(f32::MAX, f32::min);

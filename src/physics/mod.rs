@@ -16,8 +16,8 @@ mod sweep;
 pub mod terms;
 
 pub use cloth::{
-    Cloth, ClothFault, Energy, Integrator, Precision, Quality, SettingsError, Snapshot, SnapshotError, SolverSettings,
-    StepOutcome, StepReport, Stretch, Watch,
+    Cloth, ClothFault, Energy, Integrator, NewClothError, Precision, Quality, SettingsError, Snapshot, SnapshotError,
+    SolverSettings, StepOutcome, StepReport, Stretch, Watch,
 };
 pub use contact::{Collider, ColliderError, Contact, ContactSettings, ContactSettingsError, Pose};
 pub use material::{Fabric, MaterialError};

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 
 use super::geometry::extent;
 use super::pins::ClothPins;
+use super::sets::Sets;
 use super::state::ClothState;
 
 /// Densities of fabrics, kg/m²: from chiffon to wet leather, with room to either side.
@@ -96,27 +97,18 @@ impl ClothState {
     /// How many pieces the cloth is made of, and how many of them have none of these vertices.
     fn pieces(&self, held: impl Iterator<Item = u32>) -> (usize, usize) {
         let shape = self.cloth.shape();
-        let mut firsts: Vec<u32> = (0..shape.vertex_count() as u32).collect();
-        fn first(firsts: &mut [u32], mut vertex: u32) -> u32 {
-            while firsts[vertex as usize] != vertex {
-                let next = firsts[vertex as usize];
-                firsts[vertex as usize] = firsts[next as usize];
-                vertex = next;
-            }
-            vertex
-        }
+        let mut sets = Sets::new(shape.vertex_count());
         for triangle in &shape.triangles {
-            for pair in triangle.vertices.windows(2) {
-                let (a, b) = (first(&mut firsts, pair[0]), first(&mut firsts, pair[1]));
-                firsts[a.max(b) as usize] = a.min(b);
-            }
+            let [a, b, c] = triangle.vertices;
+            sets.join(a, b, false);
+            sets.join(b, c, false);
         }
-        let mut is_held = vec![false; firsts.len()];
+        let mut is_held = vec![false; shape.vertex_count()];
         for vertex in held {
-            is_held[first(&mut firsts, vertex) as usize] = true;
+            is_held[sets.find(vertex).0 as usize] = true;
         }
-        let pieces = (0..firsts.len()).filter(|&vertex| firsts[vertex] as usize == vertex);
-        pieces.fold((0, 0), |(all, loose), piece| (all + 1, loose + usize::from(!is_held[piece])))
+        let pieces = (0..shape.vertex_count() as u32).filter(|&vertex| sets.find(vertex).0 == vertex);
+        pieces.fold((0, 0), |(all, loose), piece| (all + 1, loose + usize::from(!is_held[piece as usize])))
     }
 
     fn judge_size(&mut self, name: &NameOrEntityItem) {

@@ -11,6 +11,7 @@ use super::id::ClothId;
 use super::inertia::ClothInertia;
 use super::material::ClothMaterial;
 use super::motion::{Place, Places};
+use super::parts::ClothPart;
 use super::pins::ClothPins;
 use super::quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 use super::state::ClothState;
@@ -120,10 +121,13 @@ impl ClothState {
         }
         // Rules speak of the source. Where that was unloaded, the own copy has every attribute that it had.
         let readable = |mesh: &&Mesh| mesh.try_attributes().is_ok();
-        let source = meshes.get(&self.binding.source).filter(readable);
-        let Some(mesh) = source.or_else(|| meshes.get(&self.binding.own)) else { return };
+        let of_part = |part: &ClothPart| {
+            let source = meshes.get(&part.source).filter(readable);
+            Some((source.or_else(|| meshes.get(&part.own))?, part.range().len()))
+        };
+        let Some(parts) = self.binding.parts.iter().map(of_part).collect::<Option<Vec<_>>>() else { return };
         let resolved = match rules {
-            Some(rules) => rules.resolve(mesh, &self.binding.mesh.positions, &self.binding.shading.rest_normals),
+            Some(rules) => rules.resolve(&parts, &self.binding.mesh.positions, &self.binding.shading.rest_normals),
             None => Ok(Vec::new()),
         };
         self.pins_changed = changed;

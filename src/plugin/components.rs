@@ -9,7 +9,7 @@ use super::material::ClothMaterial;
 use super::pins::ClothPins;
 use crate::physics::{BendingModel, RestShapeOptions};
 
-/// Makes the mesh of this entity's [`Mesh3d`] cloth.
+/// Makes the mesh of this entity's [`Mesh3d`] cloth; on an entity without one, the meshes of its children, as one cloth.
 ///
 /// The mesh as it stands, scaled by the entity's transform, is the undeformed cloth. The entity gets a copy of its own,
 /// so several cloths may share a mesh handle. A clone of the entity, or another cloth on the handle of that copy, is made of
@@ -18,6 +18,30 @@ use crate::physics::{BendingModel, RestShapeOptions};
 /// [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) or `MeshMorphWeights` beside it is removed: cloth takes the mesh as it
 /// is bound.
 ///
+/// # Meshes of several materials
+/// A glTF file gives Bevy such a mesh as several: a node, and for each material a child of it with a [`Mesh3d`]. Put the component on the
+/// node, and all these are one cloth, whose [`ClothState`](super::ClothState) is on the node: vertices at the same place are welded as
+/// within one mesh, so no border opens, and normals run smoothly across it. Each child keeps its material, its visibility and its bounds.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_cloth::prelude::*;
+/// /// The node "Cape" of each scene that is spawned.
+/// fn make_cape(named: On<Add, Name>, names: Query<&Name>, mut commands: Commands) {
+///     if names.get(named.entity).is_ok_and(|name| name.as_str() == "Cape") {
+///         commands.entity(named.entity).insert((ClothMesh::default(), ClothPins::where_color(PinChannel::Red, 0.5)));
+///     }
+/// }
+/// # App::new().add_observer(make_cape);
+/// ```
+///
+/// All that is said of a cloth is said on the node: its material, its pins. Pins and positions are in the space of the node, and vertices
+/// are numbered through the children in their order ([`ClothState::parts`](super::ClothState::parts)). A rule that asks for an attribute,
+/// such as a color, asks each mesh that has it. Only children count, not what is further down, and no child with a `ClothMesh` of its own.
+/// With another child, one less, or one at another place in the node, the cloth is built again, at rest; a mesh that was let go of stays
+/// as it was draped. A clone of the node needs clones of its children (`EntityCloner`'s `linked_cloning`).
+///
+/// # When it is built again
 /// Changing any field builds the cloth again, at rest. A new scale of the entity does
 /// not: the cloth is measured again and goes on. Removing the component ends the simulation and leaves the mesh as it was draped; trigger
 /// [`ClothReset`](super::ClothReset) first, or set [`Mesh3d`] to

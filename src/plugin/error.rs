@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 use super::state::ClothState;
-use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsError, SnapshotError};
+use crate::physics::{ContactSettingsError, MaterialError, MeshError, NewClothError, SettingsError, SnapshotError};
 
 /// Why an entity with [`ClothMesh`](super::ClothMesh) is not simulated as it should be.
 ///
@@ -16,14 +16,14 @@ use crate::physics::{ContactSettingsError, MaterialError, MeshError, SettingsErr
 #[reflect(Component, Clone, Debug)]
 #[non_exhaustive]
 pub enum ClothError {
-    /// No [`Mesh3d`].
-    #[error("there is no mesh: add `Mesh3d` beside `ClothMesh`")]
+    /// No [`Mesh3d`], neither beside [`ClothMesh`](super::ClothMesh) nor on a child.
+    #[error("there is no mesh: add `Mesh3d` beside `ClothMesh`, or to children of its entity")]
     NoMesh,
-    /// No [`Mesh3d`] here, but on a child: so does Bevy spawn the nodes of a glTF file.
-    #[error("there is no mesh, but its child {child} has one, as those of a glTF node have: put `ClothMesh` there")]
-    MeshOnChild {
-        /// The child's name, or its entity if it has none.
-        child: String,
+    /// No [`Mesh3d`] here or on children, but further down: so does Bevy spawn the scene of a glTF file.
+    #[error("there is no mesh here or on children, but the children of {node} have one: put `ClothMesh` on {node}")]
+    MeshBelow {
+        /// The name of what is above the mesh, or its entity if it has none.
+        node: String,
     },
     /// The handle of [`Mesh3d`] leads to no asset, and nothing loads one.
     #[error(
@@ -137,6 +137,15 @@ pub enum ClothError {
         /// What the solver says.
         reason: String,
     },
+}
+
+impl From<NewClothError> for ClothError {
+    fn from(error: NewClothError) -> Self {
+        match error {
+            NewClothError::Fabric(error) => error.into(),
+            NewClothError::Settings(error) => error.into(),
+        }
+    }
 }
 
 impl From<SnapshotError> for ClothError {

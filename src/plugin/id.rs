@@ -9,9 +9,9 @@ use super::contact::ClothCollider;
 
 /// Tells a cloth or a collider apart from others, in this run and in every other.
 ///
-/// What cloth remembers of a touch it remembers by this, colliders go to the physics in the order of it, and with
-/// [`ClothQuality::Low`](super::ClothQuality::Low) or `Crowd` it says in which ticks a cloth is stepped. So motion depends on no
-/// [`Entity`], whose bits are others in every run.
+/// A cloth remembers its touches by the ids of colliders, colliders go to the physics in the order of their ids, and with
+/// [`ClothQuality::Low`](super::ClothQuality::Low) or `Crowd` the id of a cloth decides in which ticks it is stepped. So the motion
+/// depends on no [`Entity`], whose bits differ from run to run.
 ///
 /// Every entity with a [`ClothMesh`] or [`ClothCollider`] that has none gets one: they are numbered in the order that they are
 /// spawned in. It is saved with a world and loaded again; a clone gets one of its own. Insert your own, of a network or a save

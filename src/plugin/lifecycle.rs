@@ -1,10 +1,12 @@
 //! Back to rest, and the end of a cloth.
 
+use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
 use bevy::prelude::*;
 
 use super::components::ClothMesh;
 use super::error::ClothError;
+use super::parts::release;
 use super::saving::ClothSource;
 use super::sources::Sources;
 use super::state::{ClothState, usable};
@@ -33,12 +35,19 @@ pub(super) fn reset(
 /// the mesh: for them it stands for its source.
 pub(super) fn end(removed: On<Remove, ClothMesh>, cloths: Query<&ClothState>, mut commands: Commands) {
     let entity = removed.entity;
-    let own = cloths.get(entity).ok().map(|state| state.own_mesh().id());
+    let parts = cloths.get(entity).into_iter().flat_map(|state| state.parts());
+    let parts: Vec<_> = parts.map(|part| (part.entity(), part.own_mesh().id())).collect();
     commands.queue(move |world: &mut World| {
-        let Ok(mut entity) = world.get_entity_mut(entity) else { return };
-        entity.remove::<(ClothState, ClothSource, ClothError, NoAutoAabb)>();
-        if let Some(own) = own {
+        let Ok(mut cloth) = world.get_entity_mut(entity) else { return };
+        cloth.remove::<(ClothState, ClothSource, ClothError, NoAutoAabb)>();
+        for (part, own) in parts {
             world.resource_mut::<Sources>().forget(own);
+            if part != entity {
+                world.entity_mut(entity).remove::<Aabb>();
+                if let Ok(part) = world.get_entity_mut(part) {
+                    release(part);
+                }
+            }
         }
     });
 }

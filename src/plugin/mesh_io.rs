@@ -6,11 +6,13 @@ use bevy::mesh::{
 use bevy::prelude::*;
 
 use super::error::ClothError;
+use super::state::usable;
+use crate::physics::MeshError;
 
 /// What binds a mesh to bones.
 pub(super) const JOINTS: [MeshVertexAttribute; 2] = [Mesh::ATTRIBUTE_JOINT_INDEX, Mesh::ATTRIBUTE_JOINT_WEIGHT];
 
-/// What cloth takes from a mesh asset, in the space of the mesh.
+/// What cloth takes from mesh assets, in the space of its entity.
 pub(super) struct SourceMesh {
     pub positions: Vec<Vec3>,
     /// A triangle strip is unrolled.
@@ -55,6 +57,67 @@ impl SourceMesh {
         })
     }
 
+    /// Reads the meshes of a cloth as one, the vertices of one after those of the other. Each has its place in the space of the cloth.
+    pub fn read_parts<'a>(parts: impl IntoIterator<Item = (&'a Mesh, Transform)>) -> Result<Self, ClothError> {
+        let mut whole: Option<Self> = None;
+        for (mesh, place) in parts {
+            let part = Self::read(mesh)?.placed(place)?;
+            whole = Some(match whole {
+                Some(whole) => whole.and(part)?,
+                None => part,
+            });
+        }
+        whole.ok_or(ClothError::NoMesh)
+    }
+
+    fn placed(mut self, place: Transform) -> Result<Self, ClothError> {
+        if place == Transform::IDENTITY {
+            return Ok(self);
+        }
+        let outward = usable(&place.into())?;
+        let covariant = outward.matrix3.inverse().transpose();
+        for position in &mut self.positions {
+            *position = outward.transform_point3(position.as_dvec3()).as_vec3();
+        }
+        for normal in self.normals.iter_mut().flatten() {
+            *normal = (covariant * normal.as_dvec3()).normalize_or_zero().as_vec3();
+        }
+        for tangent in self.tangents.iter_mut().flatten() {
+            let along = outward.transform_vector3(tangent.truncate().as_dvec3()).normalize_or_zero();
+            *tangent = along.as_vec3().extend(tangent.w);
+        }
+        if outward.matrix3.determinant() < 0.0 {
+            // A mirror turns triangles over.
+            self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        Ok(self)
+    }
+
+    /// Both as one mesh.
+    fn and(mut self, other: Self) -> Result<Self, ClothError> {
+        self.check_indices()?;
+        other.check_indices()?;
+        let counts = [self.positions.len(), other.positions.len()];
+        let first = counts[0] as u32;
+        self.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)));
+        let whole = |uvs: Option<Vec<[f32; 2]>>, count| uvs.filter(|uvs| uvs.len() == count);
+        self.uvs = joined([whole(self.uvs, counts[0]), whole(other.uvs, counts[1])], counts, [0.0; 2]);
+        self.normals = joined([self.normals, other.normals], counts, Vec3::ZERO);
+        self.tangents = joined([self.tangents, other.tangents], counts, Vec4::ZERO);
+        self.positions.extend(other.positions);
+        Ok(self)
+    }
+
+    /// In a whole, an index that is out of range would name a vertex of another part.
+    fn check_indices(&self) -> Result<(), MeshError> {
+        let count = self.positions.len();
+        let out_of_range = |(triangle, vertices): (usize, &[u32; 3])| {
+            let &vertex = vertices.iter().find(|&&vertex| vertex as usize >= count)?;
+            Some(MeshError::IndexOutOfRange { triangle, vertex, count })
+        };
+        self.triangles.iter().enumerate().find_map(out_of_range).map_or(Ok(()), Err)
+    }
+
     /// Whether both are the same cloth: the same positions, triangles and texture coordinates.
     pub fn has_shape_of(&self, other: &Self) -> bool {
         // Not as numbers: what is NaN in both is the same.
@@ -62,6 +125,15 @@ impl SourceMesh {
             |uvs: &'_ Option<Vec<[f32; 2]>>| uvs.iter().flatten().map(|uv| uv.map(f32::to_bits)).collect::<Vec<_>>();
         self.positions == other.positions && self.triangles == other.triangles && bits(&self.uvs) == bits(&other.uvs)
     }
+}
+
+/// Values for each vertex of two meshes, if either has them.
+fn joined<T: Copy>(values: [Option<Vec<T>>; 2], counts: [usize; 2], missing: T) -> Option<Vec<T>> {
+    if values.iter().all(Option::is_none) {
+        return None;
+    }
+    let of_each = values.into_iter().zip(counts);
+    Some(of_each.flat_map(|(values, count)| values.unwrap_or_else(|| vec![missing; count])).collect())
 }
 
 fn triangles(

@@ -14,10 +14,11 @@
 //!
 //! In `PostUpdate`, once per frame:
 //! 1. [`ClothSystems::Initialise`]: an entity with [`ClothMesh`] and a loaded [`Mesh3d`] gets a copy of the mesh of its own
-//!    and a [`ClothState`], which holds the physics. Likewise when its description or its mesh changes.
+//!    and a [`ClothState`], which holds the physics. Likewise when its description or its mesh changes. Without a mesh of its own, it
+//!    takes those of its children ([`ClothPart`]).
 //!    [`ClothMeshCollider`]s become [`ClothCollider`]s.
 //! 2. [`ClothSystems::WriteBack`]: positions between the last two steps, in the space of the entity and led around the colliders that
-//!    are drawn (`picture`), go to that copy with normals, tangents and the [`Aabb`](bevy::camera::primitives::Aabb), if they changed.
+//!    are drawn (`picture`), go to that copy, or those copies, with normals, tangents and the [`Aabb`](bevy::camera::primitives::Aabb), if they changed.
 //!    [`ClothError`]s are shown.
 //!
 //! With a [`ClothBudget`], `Collect` begins by deciding how accurate each cloth may be and whether it is stepped in this
@@ -59,6 +60,7 @@
 
 mod advice;
 mod budget;
+mod build;
 mod collect;
 mod components;
 mod contact;
@@ -77,12 +79,14 @@ mod material;
 mod mesh_io;
 mod motion;
 mod pace;
+mod parts;
 mod picture;
 mod pins;
 mod quality;
 mod rescale;
 mod saving;
 mod seams;
+mod sets;
 mod shading;
 mod snapshot;
 mod sources;
@@ -116,6 +120,7 @@ pub use inertia::ClothInertia;
 pub use lifecycle::ClothReset;
 pub use material::ClothMaterial;
 pub use motion::ClothTeleport;
+pub use parts::ClothPart;
 pub use pins::{ATTRIBUTE_CLOTH_PIN, ClothPins, PinChannel, PinRule, PinVertex};
 pub use quality::{ClothDefaultQuality, ClothQuality, ClothSolver};
 pub use saving::ClothSource;

@@ -1,12 +1,12 @@
 //! What is drawn of a cloth: where it was simulated, at the time and in the place of what is drawn around it.
 //!
-//! Three things are known for other times than that of the picture: the cloth, between its last two steps; what holds it, drawn where
-//! the last frame left it; the colliders, drawn likewise, but simulated with the steps. So:
+//! The picture shows the cloth between its last two steps, but its entity and the colliders where the last frame left them, which is a
+//! little later. To bring these times together:
 //!
-//! 1. A held cloth is drawn in the frame of its entity: pins are exact on the body that is drawn, and a cape goes with its wearer. A free
-//!    one rides on what it lies on.
-//! 2. That motion of the picture is taken away, vertex by vertex, as far as it leads into a collider: nothing is drawn deeper inside than
-//!    it was simulated.
+//! 1. A held cloth is drawn in the frame of its entity, so that pins are exact on the body that is drawn, and a cape goes with its wearer.
+//!    A free cloth is carried along by the collider that it lies on.
+//! 2. This shift from the simulated to the drawn place is reduced, vertex by vertex, as far as it leads into a collider, so that no vertex
+//!    is drawn deeper inside than it was simulated.
 
 use bevy::math::{DAffine3, DVec3};
 use bevy::prelude::*;

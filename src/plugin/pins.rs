@@ -17,7 +17,8 @@ use super::error::ClothError;
 pub const ATTRIBUTE_CLOTH_PIN: MeshVertexAttribute =
     MeshVertexAttribute::new("ClothPin", 0x00c1_07b8_91a5_3e42, VertexFormat::Float32);
 
-/// The vertices that are held at their place in the mesh, wherever the entity's transform takes it.
+/// The vertices that are held at their place in the mesh, wherever the entity's transform takes it. Of a cloth of several meshes, see
+/// [`ClothMesh`](super::ClothMesh).
 ///
 /// By default the vertices whose [`ATTRIBUTE_CLOTH_PIN`] is above ½, if the mesh has it; else none, and the cloth moves
 /// freely in the world. A cloth without pins follows its transform only when it starts and when it is teleported.
@@ -191,27 +192,38 @@ impl ClothPins {
         !self.predicates.is_empty() || self.rules.iter().any(asks)
     }
 
-    /// The vertices of a mesh that are held, in order. `mesh` gives the attributes, the slices the rest state.
-    pub(super) fn resolve(&self, mesh: &Mesh, positions: &[Vec3], normals: &[Vec3]) -> Result<Vec<u32>, ClothError> {
+    /// The vertices of a cloth that are held, in order. The slices give the rest state, the meshes of its parts, each with the number of
+    /// its vertices, the attributes.
+    pub(super) fn resolve(
+        &self,
+        parts: &[(&Mesh, usize)],
+        positions: &[Vec3],
+        normals: &[Vec3],
+    ) -> Result<Vec<u32>, ClothError> {
         let mut held = vec![false; positions.len()];
         for rule in &self.rules {
-            rule.mark(mesh, positions, &mut held)?;
+            rule.mark(parts, positions, &mut held)?;
         }
         if !self.predicates.is_empty() {
-            let uvs = match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
-                Ok(VertexAttributeValues::Float32x2(uvs)) => Some(uvs),
-                _ => None,
-            };
-            let colors = colors(mesh);
-            for (index, held) in held.iter_mut().enumerate() {
-                let vertex = PinVertex {
-                    index: index as u32,
-                    position: positions[index],
-                    normal: normals[index],
-                    uv: uvs.and_then(|uvs| uvs.get(index)).map(|&uv| uv.into()),
-                    color: colors.as_ref().and_then(|colors| colors.get(index)).map(|&color| color.into()),
+            let mut first = 0;
+            for (mesh, held) in by_part(parts, &mut held) {
+                let uvs = match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
+                    Ok(VertexAttributeValues::Float32x2(uvs)) => Some(uvs),
+                    _ => None,
                 };
-                *held |= self.predicates.iter().any(|predicate| predicate.0(&vertex));
+                let colors = colors(mesh);
+                for (of_part, held) in held.iter_mut().enumerate() {
+                    let index = first + of_part;
+                    let vertex = PinVertex {
+                        index: index as u32,
+                        position: positions[index],
+                        normal: normals[index],
+                        uv: uvs.and_then(|uvs| uvs.get(of_part)).map(|&uv| uv.into()),
+                        color: colors.as_ref().and_then(|colors| colors.get(of_part)).map(|&color| color.into()),
+                    };
+                    *held |= self.predicates.iter().any(|predicate| predicate.0(&vertex));
+                }
+                first += held.len();
             }
         }
         Ok((0..).zip(held).filter_map(|(index, held)| held.then_some(index)).collect())
@@ -219,11 +231,13 @@ impl ClothPins {
 }
 
 impl PinRule {
-    fn mark(&self, mesh: &Mesh, positions: &[Vec3], held: &mut [bool]) -> Result<(), ClothError> {
+    fn mark(&self, parts: &[(&Mesh, usize)], positions: &[Vec3], held: &mut [bool]) -> Result<(), ClothError> {
         match self {
             Self::Authored => {
-                if let Some(weights) = attribute(mesh, ATTRIBUTE_CLOTH_PIN.name) {
-                    mark_above(held, weights?.iter().copied(), 0.5);
+                for (mesh, held) in by_part(parts, held) {
+                    if let Some(weights) = attribute(mesh, ATTRIBUTE_CLOTH_PIN.name) {
+                        mark_above(held, weights?.iter().copied(), 0.5);
+                    }
                 }
             }
             Self::Indices(indices) => {
@@ -233,16 +247,29 @@ impl PinRule {
                 }
             }
             Self::Attribute { name, threshold } => {
-                let missing = || Err(missing_attribute(name, VertexFormat::Float32, None));
-                let values = attribute(mesh, name).unwrap_or_else(missing)?;
-                mark_above(held, values.iter().copied(), *threshold);
+                let mut has_it = false;
+                for (mesh, held) in by_part(parts, held) {
+                    if let Some(values) = attribute(mesh, name) {
+                        mark_above(held, values?.iter().copied(), *threshold);
+                        has_it = true;
+                    }
+                }
+                if !has_it {
+                    return Err(missing_attribute(name, VertexFormat::Float32, None));
+                }
             }
             Self::Color { channel, threshold } => {
-                let colors = colors(mesh).ok_or_else(|| {
-                    let found = mesh.try_attribute(Mesh::ATTRIBUTE_COLOR).ok();
-                    missing_attribute(Mesh::ATTRIBUTE_COLOR.name, VertexFormat::Float32x4, found)
-                })?;
-                mark_above(held, colors.iter().map(|color| color[*channel as usize]), *threshold);
+                let mut has_it = false;
+                for (mesh, held) in by_part(parts, held) {
+                    if let Some(colors) = colors(mesh) {
+                        mark_above(held, colors.iter().map(|color| color[*channel as usize]), *threshold);
+                        has_it = true;
+                    }
+                }
+                if !has_it {
+                    let found = parts.iter().find_map(|(mesh, _)| mesh.try_attribute(Mesh::ATTRIBUTE_COLOR).ok());
+                    return Err(missing_attribute(Mesh::ATTRIBUTE_COLOR.name, VertexFormat::Float32x4, found));
+                }
             }
             Self::Box { min, max } => {
                 for (held, position) in held.iter_mut().zip(positions) {
@@ -252,6 +279,18 @@ impl PinRule {
         }
         Ok(())
     }
+}
+
+/// What belongs to each part.
+fn by_part<'a>(
+    parts: &'a [(&'a Mesh, usize)],
+    mut held: &'a mut [bool],
+) -> impl Iterator<Item = (&'a Mesh, &'a mut [bool])> {
+    parts.iter().map(move |&(mesh, count)| {
+        let (of_part, rest) = core::mem::take(&mut held).split_at_mut(count);
+        held = rest;
+        (mesh, of_part)
+    })
 }
 
 fn mark_above(held: &mut [bool], values: impl Iterator<Item = f32>, threshold: f32) {

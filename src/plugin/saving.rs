@@ -2,13 +2,12 @@
 
 use bevy::prelude::*;
 
-use super::components::ClothMesh;
 use super::state::ClothState;
 
-/// The mesh that a running cloth was made of: inserted beside its [`ClothState`], so that a saved world knows it.
+/// The mesh that a running cloth was made of: inserted beside each [`Mesh3d`] that shows it, so that a saved world knows it.
 ///
 /// While a cloth runs, its [`Mesh3d`] is a copy of its own, which no file has: a world saved by reflection (Bevy's `DynamicWorld`)
-/// has the default handle there, and Bevy warns of that. An entity that is loaded with a [`ClothMesh`], this component and the
+/// has the default handle there, and Bevy warns of that. An entity that is loaded with this component and the
 /// default handle takes the mesh named here. So nothing has to be done for a mesh that is loaded from a file. The handle of a mesh
 /// that is built in code survives only if it is one of a UUID, under which the game adds the mesh again:
 ///
@@ -29,19 +28,19 @@ use super::state::ClothState;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothSource(pub Handle<Mesh>);
 
-/// Notes the mesh of a cloth that starts, or starts again.
+/// Notes the meshes of a cloth that starts, or starts again.
 pub(super) fn note(started: On<Insert, ClothState>, states: Query<&ClothState>, mut commands: Commands) {
-    if let Ok(state) = states.get(started.entity)
-        && let Ok(mut entity) = commands.get_entity(started.entity)
-    {
-        entity.try_insert(ClothSource(state.source_mesh().clone()));
+    for part in states.get(started.entity).into_iter().flat_map(ClothState::parts) {
+        if let Ok(mut entity) = commands.get_entity(part.entity()) {
+            entity.try_insert(ClothSource(part.source_mesh().clone()));
+        }
     }
 }
 
 type Loaded<'a> = (Entity, &'a Mesh3d, &'a ClothSource);
 
-/// Gives a loaded cloth the mesh that it was made of.
-pub(super) fn take(mut commands: Commands, loaded: Query<Loaded, (With<ClothMesh>, Without<ClothState>)>) {
+/// Gives a loaded cloth the meshes that it was made of.
+pub(super) fn take(mut commands: Commands, loaded: Query<Loaded, Without<ClothState>>) {
     for (entity, mesh, source) in &loaded {
         if mesh.0 == Handle::default()
             && source.0 != Handle::default()

@@ -27,8 +27,8 @@ pub(super) fn tell_of_seams(
             if common > 1 {
                 tracing::warn!(
                     "cloth {name}: {common} vertices of its border are those of cloth {other} beside it, as where one mesh has \
-                     several materials: they are two cloths, and come apart there; give the mesh one material (a texture may \
-                     hold both), or pin the border"
+                     several materials: they are two cloths, and come apart there; to make them one, put `ClothMesh` on their \
+                     parent instead"
                 );
             }
         }

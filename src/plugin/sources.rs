@@ -65,26 +65,32 @@ fn hash(values: &VertexAttributeValues) -> u64 {
 }
 
 impl ClothState {
-    /// Takes over what changed in the source while its shape stayed: colors and other attributes go into the own mesh, as do
+    /// Takes over what changed in the sources of its parts while their shape stayed: colors and other attributes go into the own mesh, as do
     /// authored normals and tangents. `None` if the shape is another one, so that the cloth must be built again.
-    pub(super) fn take_over(&mut self, source: &Mesh) -> Option<Changes> {
-        let mesh = SourceMesh::read(source).ok().filter(|mesh| mesh.has_shape_of(&self.binding.mesh))?;
-        let mut changes = Changes::default();
-        if mesh.normals != self.binding.mesh.normals || mesh.tangents != self.binding.mesh.tangents {
-            if let (Some(tangents), None) = (&mesh.tangents, &self.binding.mesh.tangents) {
-                changes.inserted.push((Mesh::ATTRIBUTE_TANGENT, tangents.clone().into()));
+    pub(super) fn take_over(&mut self, sources: &[&Mesh]) -> Option<Vec<Changes>> {
+        let Self { cloth, binding, .. } = self;
+        let places = binding.parts.iter().map(|part| part.place);
+        let mesh = SourceMesh::read_parts(sources.iter().copied().zip(places)).ok();
+        let mesh = mesh.filter(|mesh| mesh.has_shape_of(&binding.mesh))?;
+        let mut changes: Vec<Changes> = sources.iter().map(|_| Changes::default()).collect();
+        if mesh.normals != binding.mesh.normals || mesh.tangents != binding.mesh.tangents {
+            for (changes, source) in changes.iter_mut().zip(sources) {
+                if let Ok(tangents) = source.try_attribute(Mesh::ATTRIBUTE_TANGENT) {
+                    changes.inserted.push((Mesh::ATTRIBUTE_TANGENT, tangents.clone()));
+                }
             }
-            self.binding.shading = Shading::new(&mesh, &self.cloth.shape().simulated);
-            self.binding.mesh = mesh;
+            binding.shading = Shading::new(&mesh, &cloth.shape().simulated);
+            binding.mesh = mesh;
             self.shown.from = None;
         }
-        let attributes = Attributes::of(source);
-        let old = core::mem::replace(&mut self.binding.attributes, attributes);
-        let changed = passed_on(source).zip(&self.binding.attributes.0).filter(|(_, now)| !old.0.contains(now));
-        changes.inserted.extend(changed.map(|((attribute, values), _)| (*attribute, values.clone())));
-        let removed = old.0.iter().map(|(id, _)| *id).filter(|id| !self.binding.attributes.contain(*id));
-        changes.removed.extend(removed);
-        if !changes.inserted.is_empty() || !changes.removed.is_empty() {
+        for ((part, source), changes) in binding.parts.iter_mut().zip(sources).zip(&mut changes) {
+            let old = core::mem::replace(&mut part.attributes, Attributes::of(source));
+            let changed = passed_on(source).zip(&part.attributes.0).filter(|(_, now)| !old.0.contains(now));
+            changes.inserted.extend(changed.map(|((attribute, values), _)| (*attribute, values.clone())));
+            let removed = old.0.iter().map(|(id, _)| *id).filter(|id| !part.attributes.contain(*id));
+            changes.removed.extend(removed);
+        }
+        if changes.iter().any(|changes| !changes.inserted.is_empty() || !changes.removed.is_empty()) {
             // Rules may ask for what changed.
             self.pins_changed = None;
         }

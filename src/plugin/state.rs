@@ -14,10 +14,10 @@ use super::geometry::extent;
 use super::mesh_io::SourceMesh;
 use super::motion::Limits;
 use super::pace::Pace;
+use super::parts::ClothPart;
 use super::picture::Obstacle;
 use super::quality::ClothQuality;
 use super::shading::Shading;
-use super::sources::Attributes;
 use crate::physics::{Cloth, MeshError, Pose, RestShape, RestShapeOptions, StepReport, SurfaceMesh};
 
 /// The simulation of an entity with [`ClothMesh`](super::ClothMesh): inserted once its mesh is there.
@@ -71,12 +71,10 @@ pub struct ClothState {
 
 /// How the cloth hangs together with its mesh.
 pub(super) struct Binding {
-    pub source: Handle<Mesh>,
-    pub own: Handle<Mesh>,
+    /// Whose vertices, one after another, are those of `mesh`; never empty.
+    pub parts: Vec<ClothPart>,
     pub options: RestShapeOptions,
     pub mesh: SourceMesh,
-    /// What else of the source the own mesh has.
-    pub attributes: Attributes,
     pub shading: Shading,
     /// A vertex of the mesh for each simulated one.
     pub representatives: Vec<u32>,
@@ -111,14 +109,14 @@ impl ClothState {
         &self.cloth
     }
 
-    /// The mesh asset that the cloth was made of, as [`Mesh3d`] was set.
+    /// The mesh asset that the cloth was made of, as [`Mesh3d`] was set; of several [`parts`](Self::parts), that of the first.
     pub fn source_mesh(&self) -> &Handle<Mesh> {
-        &self.binding.source
+        self.binding.parts[0].source_mesh()
     }
 
-    /// The copy that this cloth deforms: what [`Mesh3d`] is now.
+    /// The copy that this cloth deforms: what [`Mesh3d`] is now; of several [`parts`](Self::parts), that of the first.
     pub fn own_mesh(&self) -> &Handle<Mesh> {
-        &self.binding.own
+        self.binding.parts[0].own_mesh()
     }
 
     /// The simulated vertex that moves a vertex of the mesh; `None` for a vertex without triangle.

@@ -1,35 +1,52 @@
 //! Which triangles of a mesh are wound against those beside them.
 
+use super::sets::Sets;
+
+/// How the triangles of a mesh are wound against each other.
+pub(super) struct Windings {
+    /// For each triangle the first of those that it hangs together with by edges, and whether it is wound against that.
+    pub of: Vec<(u32, bool)>,
+    /// Whether all could be wound alike: no three are at an edge, and there is no Möbius strip.
+    pub can_agree: bool,
+}
+
+impl Windings {
+    /// Compares each triangle with those beside it.
+    pub fn new(triangles: &[[u32; 3]]) -> Self {
+        let mut sets = Sets::new(triangles.len());
+        let mut sides: Vec<Side> = (0..)
+            .zip(triangles)
+            .flat_map(|(triangle, &[a, b, c])| {
+                let side =
+                    |(from, to): (u32, u32)| Side { edge: [from.min(to), from.max(to)], triangle, forward: from < to };
+                [(a, b), (b, c), (c, a)].map(side)
+            })
+            .collect();
+        sides.sort_unstable();
+        let mut can_agree = true;
+        for at_edge in sides.chunk_by(|a, b| a.edge == b.edge) {
+            can_agree &= at_edge.len() <= 2;
+            for pair in at_edge.windows(2) {
+                let [a, b] = [&pair[0], &pair[1]].map(|side| triangles[side.triangle as usize]);
+                // Neighbors pass their edge in opposite directions.
+                let opposite = same_winding(a, b).map_or(pair[0].forward == pair[1].forward, |same| !same);
+                can_agree &= sets.join(pair[0].triangle, pair[1].triangle, opposite);
+            }
+        }
+        Self { of: (0..triangles.len() as u32).map(|triangle| sets.find(triangle)).collect(), can_agree }
+    }
+}
+
 /// For each triangle 1, or −1 where it is wound against most of what it hangs together with: flipped by mistake, or the back of
 /// another on the same vertices. `None` if there is none such.
 pub(super) fn signs(triangles: &[[u32; 3]]) -> Option<Vec<f32>> {
-    let mut sets = Sets::new(triangles.len());
-    let mut sides: Vec<Side> = (0..)
-        .zip(triangles)
-        .flat_map(|(triangle, &[a, b, c])| {
-            let side =
-                |(from, to): (u32, u32)| Side { edge: [from.min(to), from.max(to)], triangle, forward: from < to };
-            [(a, b), (b, c), (c, a)].map(side)
-        })
-        .collect();
-    sides.sort_unstable();
-    for pair in sides.windows(2).filter(|pair| pair[0].edge == pair[1].edge) {
-        let [a, b] = [&pair[0], &pair[1]].map(|side| triangles[side.triangle as usize]);
-        // Neighbours pass their edge in opposite directions.
-        let opposite = same_winding(a, b).map_or(pair[0].forward == pair[1].forward, |same| !same);
-        sets.join(pair[0].triangle, pair[1].triangle, opposite);
-    }
+    let Windings { of, .. } = Windings::new(triangles);
     let mut votes = vec![0_i32; triangles.len()];
-    for triangle in 0..triangles.len() as u32 {
-        let (root, opposite) = sets.find(triangle);
-        votes[root as usize] += if opposite { -1 } else { 1 };
+    for &(first, opposite) in &of {
+        votes[first as usize] += if opposite { -1 } else { 1 };
     }
-    let signs: Vec<f32> = (0..triangles.len() as u32)
-        .map(|triangle| {
-            let (root, opposite) = sets.find(triangle);
-            if opposite == (votes[root as usize] < 0) { 1.0 } else { -1.0 }
-        })
-        .collect();
+    let sign = |(first, opposite): (u32, bool)| if opposite == (votes[first as usize] < 0) { 1.0 } else { -1.0 };
+    let signs: Vec<f32> = of.into_iter().map(sign).collect();
     signs.contains(&-1.0).then_some(signs)
 }
 
@@ -48,40 +65,6 @@ struct Side {
     edge: [u32; 2],
     triangle: u32,
     forward: bool,
-}
-
-/// Disjoint sets (Tarjan 1975) of triangles that hang together, each with whether it is wound against the first of its set.
-struct Sets {
-    parents: Vec<(u32, bool)>,
-}
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self { parents: (0..count as u32).map(|triangle| (triangle, false)).collect() }
-    }
-
-    /// The first triangle of its set, and whether it is wound against that.
-    fn find(&mut self, triangle: u32) -> (u32, bool) {
-        let (mut root, mut opposite) = (triangle, false);
-        while self.parents[root as usize].0 != root {
-            let (parent, turned) = self.parents[root as usize];
-            (root, opposite) = (parent, opposite ^ turned);
-        }
-        // Shortens the way for the next time.
-        let (mut at, mut left) = (triangle, opposite);
-        while self.parents[at as usize].0 != root {
-            let (parent, turned) = core::mem::replace(&mut self.parents[at as usize], (root, left));
-            (at, left) = (parent, left ^ turned);
-        }
-        (root, opposite)
-    }
-
-    fn join(&mut self, a: u32, b: u32, opposite: bool) {
-        let ((a, turned_a), (b, turned_b)) = (self.find(a), self.find(b));
-        if a != b {
-            self.parents[a.max(b) as usize] = (a.min(b), turned_a ^ turned_b ^ opposite);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use bevy::prelude::*;
 use super::budget::Keeper;
 use super::components::ClothDisabled;
 use super::contact::ClothCollider;
-use super::mesh_io;
 use super::state::{ClothState, ShownFrom};
 
 /// Whether [`write_back`] interpolates between steps.
@@ -22,16 +21,24 @@ pub(super) fn write_back(
     mut meshes: ResMut<Assets<Mesh>>,
     colliders: Query<&GlobalTransform, With<ClothCollider>>,
     mut cloths: Query<(&mut ClothState, &GlobalTransform, Option<&mut Aabb>, Has<ClothDisabled>)>,
+    mut children: Query<&mut Aabb, (With<ChildOf>, Without<ClothState>)>,
 ) {
     let start = Instant::now();
     let fraction = if interpolate.0 { fixed.overstep_fraction().clamp(0.0, 1.0) } else { 1.0 };
     for (mut state, transform, aabb, disabled) in &mut cloths {
         let Some(from) = state.to_show(transform, fraction, disabled, &colliders) else { continue };
-        let Some(mut mesh) = meshes.get_mut(&state.binding.own) else { continue };
+        if !state.binding.parts.iter().all(|part| meshes.contains(&part.own)) {
+            continue;
+        }
         let tangents = state.show(from);
         let shown = &state.shown;
-        let positions: Vec<[f32; 3]> = shown.positions.iter().map(|p| p.to_array()).collect();
-        mesh_io::write(&mut mesh, &positions, &shown.normals, &tangents);
+        for part in &state.binding.parts {
+            let Some(mut mesh) = meshes.get_mut(&part.own) else { continue };
+            let bounds = part.write(&mut mesh, shown, &tangents);
+            if let (Ok(mut aabb), Some(bounds)) = (children.get_mut(part.entity), bounds) {
+                *aabb = bounds;
+            }
+        }
         if let (Some(mut aabb), Some(bounds)) = (aabb, Aabb::enclosing(&shown.positions)) {
             *aabb = bounds;
         }

@@ -2,7 +2,8 @@
 
 use bevy::math::DVec3;
 use bevy_cloth::physics::{
-    Cloth, ClothFault, Fabric, Integrator, MaterialError, Precision, RestShape, SolverKind, SolverSettings, StepOutcome,
+    Cloth, ClothFault, Fabric, Integrator, MaterialError, NewClothError, Precision, RestShape, SettingsError,
+    SolverKind, SolverSettings, StepOutcome,
 };
 
 use crate::meshes::{TestMesh, crumpled};
@@ -263,5 +264,21 @@ fn stretch_counts_yarns_not_shear() {
 fn invalid_fabrics_make_no_cloth() {
     let shape = TestMesh::sheet(3, 3, 1.0, 1.0).shape();
     let fabric = Fabric { coupling: 1e9, ..Fabric::cotton() };
-    assert!(matches!(Cloth::new(shape, fabric, SolverSettings::default()), Err(MaterialError::NotPositive { .. })));
+    let error = Cloth::new(shape, fabric, SolverSettings::default()).err();
+    assert!(matches!(error, Some(NewClothError::Fabric(MaterialError::NotPositive { .. }))));
+}
+
+#[test]
+fn invalid_settings_make_no_cloth() {
+    let of = |settings| Cloth::new(TestMesh::sheet(3, 3, 1.0, 1.0).shape(), Fabric::cotton(), settings).err();
+    let good = SolverSettings::default();
+    assert_eq!(of(good), None);
+    let wrong = [
+        (SolverSettings { substeps: 0, ..good }, SettingsError::NoSubsteps),
+        (SolverSettings { newton_steps: 0, ..good }, SettingsError::NoNewtonSteps),
+    ];
+    for (settings, error) in wrong {
+        assert_eq!(of(settings), Some(NewClothError::Settings(error)));
+        assert!(NewClothError::Settings(error).to_string().starts_with("the settings: `"));
+    }
 }

@@ -134,7 +134,7 @@ fn sensors_and_what_is_disabled_are_not_solid() {
     let mark = (ClothPhysicsCollider, Collider::sphere(0.2), NEAR, ChildOf(body));
     let ball = app.world_mut().spawn(mark).id();
     run(&mut app, 2);
-    app.world_mut().get_mut::<ClothCollider>(ball).expect("a collider").teleport_distance = 0.7;
+    app.world_mut().get_mut::<ClothCollider>(ball).expect("a collider").teleport_speed = 0.7;
     let given = |app: &mut App| {
         run(app, 2);
         given_in_last_step(app, cloth)
@@ -152,5 +152,5 @@ fn sensors_and_what_is_disabled_are_not_solid() {
     assert!(given(&mut app).is_empty());
     app.world_mut().entity_mut(body).remove::<RigidBodyDisabled>();
     assert_eq!(given(&mut app), [ball]);
-    assert_eq!(app.world().get::<ClothCollider>(ball).unwrap().teleport_distance, 0.7);
+    assert_eq!(app.world().get::<ClothCollider>(ball).unwrap().teleport_speed, 0.7);
 }

@@ -127,18 +127,44 @@ fn a_new_or_teleported_collider_has_no_velocity() {
     let given = take_one(&mut app, cloth).pop().expect("a step");
     assert_eq!(given.start, given.end);
 
-    // Below the distance it is a motion.
+    // Below the speed it is a motion.
     let nearer = AT.with_translation(AT.translation - Vec3::Y);
     set_transform(&mut app, collider, nearer);
     run(&mut app, 4);
     let given = take_one(&mut app, cloth).pop().expect("a step");
     assert_pose(given.start, AT.translation.as_dvec3(), DQuat::IDENTITY);
     assert_pose(given.end, nearer.translation.as_dvec3(), DQuat::IDENTITY);
-    app.world_mut().get_mut::<ClothCollider>(collider).unwrap().teleport_distance = 0.5;
+    app.world_mut().get_mut::<ClothCollider>(collider).unwrap().teleport_speed = 32.0;
     set_transform(&mut app, collider, AT);
     run(&mut app, 4);
     let given = take_one(&mut app, cloth).pop().expect("a step");
     assert_eq!(given.start, given.end);
+}
+
+/// The limit is a speed: the same at every length of a tick.
+#[test]
+fn from_which_speed_on_a_collider_jumps_does_not_depend_on_ticks() {
+    let cases = [(None, 95.0, false), (None, 105.0, true), (Some(5.0), 4.5, false), (Some(5.0), 5.5, true)];
+    for (hz, (limit, speed, jumps)) in [30.0, 60.0, 240.0].into_iter().flat_map(|hz| cases.map(|case| (hz, case))) {
+        let mut app = app_with_notes();
+        let way = Vec3::X * speed / hz as f32;
+        let go = move |mut colliders: Query<&mut Transform, With<ClothCollider>>| {
+            colliders.iter_mut().for_each(|mut transform| transform.translation += way);
+        };
+        app.insert_resource(Time::<Fixed>::from_hz(hz)).add_systems(FixedUpdate, go.before(ClothSystems::Collect));
+        let cloth = spawn(&mut app, sheet(), top_edge());
+        let collider = ball(&mut app, AT.with_translation(AT.translation - 3.0 * way));
+        if let Some(limit) = limit {
+            app.world_mut().get_mut::<ClothCollider>(collider).unwrap().teleport_speed = limit;
+        }
+        run(&mut app, 3);
+        let last = take_given(&mut app, cloth).pop().expect("a step");
+        let [given] = &last[..] else { panic!("it is there: {last:?}") };
+        assert_pose(given.end, AT.translation.as_dvec3(), DQuat::IDENTITY);
+        let moved = given.start.translation.distance(given.end.translation);
+        let wanted = if jumps { 0.0 } else { f64::from(way.x) };
+        assert!((moved - wanted).abs() < 1e-4, "{speed} m/s at {hz} Hz: {moved}");
+    }
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn a_number_means_nothing() {
     for friction in [-0.1, f32::NAN, f32::INFINITY] {
         assert_told_and_mended(put(ClothCollider::sphere(0.2).with_friction(friction)), good(), "friction");
     }
-    assert_told_and_mended(put(ClothCollider::sphere(0.2).with_teleport_distance(f32::NAN)), good(), "teleport");
+    assert_told_and_mended(put(ClothCollider::sphere(0.2).with_teleport_speed(f32::NAN)), good(), "teleport");
     assert_told_and_mended(|e| e.get_mut::<ClothCollider>().unwrap().friction = -1.0, good(), "friction");
 }
 

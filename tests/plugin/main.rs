@@ -19,6 +19,7 @@ mod jumps;
 mod lifecycle;
 mod motion;
 mod order;
+mod parts;
 mod picture;
 mod pins;
 #[cfg(feature = "avian3d")]

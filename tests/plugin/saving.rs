@@ -29,7 +29,7 @@ fn every_shape() -> Vec<ClothCollider> {
     ];
     vec![
         ClothCollider::sphere(0.3).with_friction(0.25),
-        ClothCollider::capsule_between(Vec3::X, Vec3::new(0.1, 0.2, 0.3), 0.1).with_teleport_distance(7.0),
+        ClothCollider::capsule_between(Vec3::X, Vec3::new(0.1, 0.2, 0.3), 0.1).with_teleport_speed(7.0),
         ClothCollider::cuboid(0.1, 0.2, 0.3),
         ClothCollider::cylinder(0.2, 0.7),
         ClothCollider::cone(0.2, 0.7),
@@ -202,4 +202,41 @@ fn a_world_with_cloth_and_colliders_goes_on_after_loading() {
         .map(|(entity, app)| id(app, entity))
         .collect();
     assert!(ids[0] > id(&app, cloth) && ids[1] > id(&app, cloth), "{ids:?}");
+}
+
+/// The halves of the sheet, likewise.
+const HALVES: [Handle<Mesh>; 2] =
+    [uuid_handle!("3d9a7c1e-6c1b-4c0e-9f63-2a5d0f3c8b12"), uuid_handle!("3d9a7c1e-6c1b-4c0e-9f63-2a5d0f3c8b13")];
+
+#[test]
+fn a_cloth_of_several_meshes_goes_on_after_loading() {
+    let app_with_halves = || {
+        let mut app = app_with_sheet();
+        app.register_type::<ChildOf>().register_type::<Children>();
+        for (handle, half) in HALVES.iter().zip(crate::parts::halves()) {
+            app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle, half).unwrap();
+        }
+        app
+    };
+    let mut app = app_with_halves();
+    let node = (ClothMesh::default(), ClothPins::indices([0, 1]), Transform::from_rotation(Quat::from_rotation_y(0.4)));
+    let node = app.world_mut().spawn((node, Saved)).id();
+    for half in HALVES {
+        app.world_mut().spawn((Mesh3d(half), ChildOf(node), Saved));
+    }
+    run(&mut app, 60);
+    let file = save(&mut app);
+
+    let mut other = app_with_halves();
+    (0..7).for_each(|_| _ = other.world_mut().spawn_empty());
+    let again = load(&mut other, &file)[&node];
+    other.update();
+    assert!(error(&other, again).is_none(), "{:?}", error(&other, again));
+    let sources: Vec<_> = state(&other, again).parts().iter().map(|part| part.source_mesh().clone()).collect();
+    assert_eq!(sources, HALVES);
+    for _ in 0..20 {
+        assert!(state(&other, again).cloth().positions() == state(&app, node).cloth().positions());
+        run(&mut app, 1);
+        run(&mut other, 1);
+    }
 }

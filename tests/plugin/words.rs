@@ -180,7 +180,7 @@ fn parts_of_one_mesh_beside_each_other() {
     run(&mut app, 10);
     // By one of the two, which names the other.
     assert_eq!(said("Red"), said("Blue"));
-    assert_said_once("Blue", &["5 vertices of its border", "one material"]);
+    assert_said_once("Blue", &["5 vertices of its border", "put `ClothMesh` on their parent"]);
     assert_eq!(said("Apart"), [""; 0]);
 }
 
@@ -239,15 +239,15 @@ fn an_own_mesh_that_was_removed_is_made_again() {
 }
 
 #[test]
-fn the_mesh_of_a_gltf_node_is_on_its_child() {
+fn the_mesh_of_a_gltf_scene_is_further_down() {
     listen();
     let mut app = app();
     let mesh3d = Mesh3d(add_mesh(&mut app, sheet()));
-    let node =
-        app.world_mut().spawn((ClothMesh::default(), Name::new("Cape"), children![(mesh3d, Name::new("Cape.0"))])).id();
+    let node = children![(Name::new("Cape"), Transform::default(), children![(mesh3d, Name::new("Cape.0"))])];
+    let scene = app.world_mut().spawn((ClothMesh::default(), Name::new("Scene"), node)).id();
     run(&mut app, 3);
-    assert!(matches!(error(&app, node), Some(ClothError::MeshOnChild { child }) if child == "Cape.0"));
-    assert_said_once("Cape", &["child Cape.0", "put `ClothMesh` there"]);
+    assert!(matches!(error(&app, scene), Some(ClothError::MeshBelow { node }) if node == "Cape"));
+    assert_said_once("Scene", &["put `ClothMesh` on Cape"]);
 }
 
 /// glTF has vertex colors of 8 and 16 bits, too.

@@ -15,7 +15,7 @@ use bevy::platform::time::Instant;
 pub use measure::{Energy, Stretch};
 pub use quality::Quality;
 pub use report::{ClothFault, StepOutcome, StepReport};
-pub use settings::{Precision, SettingsError, SolverSettings};
+pub use settings::{NewClothError, Precision, SettingsError, SolverSettings};
 pub(crate) use shared::Shared;
 pub(super) use snapshot::{Earlier, Remembered, Turns};
 pub use snapshot::{Snapshot, SnapshotError};
@@ -81,12 +81,11 @@ pub type Watch<'a> = dyn FnMut(f64, &[DVec3]) + Send + 'a;
 impl Cloth {
     /// A cloth at its rest positions, at rest, without pins, under standard gravity along −Y.
     ///
-    /// `settings` should pass [`SolverSettings::validate`]; those that do not waste time, but do no harm.
-    ///
     /// # Errors
-    /// If a constant of the fabric is invalid.
-    pub fn new(shape: RestShape, fabric: Fabric, settings: SolverSettings) -> Result<Self, MaterialError> {
+    /// If a constant of the fabric is invalid, or a setting cannot be used.
+    pub fn new(shape: RestShape, fabric: Fabric, settings: SolverSettings) -> Result<Self, NewClothError> {
         fabric.validate()?;
+        settings.validate()?;
         let count = shape.vertex_count();
         let ordering = Ordering::new(&shape);
         let shown = State { positions: shape.positions.clone(), velocities: vec![DVec3::ZERO; count] };
@@ -147,7 +146,8 @@ impl Cloth {
     }
 
     /// Changes how steps are solved; the cloth keeps its motion. Costs nothing unless precision, solver, preconditioner or
-    /// the limit of iterations are others: these are built anew.
+    /// the limit of iterations are others: these are built anew. Settings
+    /// that do not pass [`SolverSettings::validate`] waste time, and do no harm.
     pub fn set_settings(&mut self, settings: SolverSettings) {
         if settings.same_engine(&self.settings) {
             self.engine.set_settings(&settings);

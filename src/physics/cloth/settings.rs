@@ -4,6 +4,7 @@ use bevy::reflect::Reflect;
 use bevy::reflect::std_traits::ReflectDefault;
 use thiserror::Error;
 
+use crate::physics::material::MaterialError;
 #[cfg(not(feature = "cholesky"))]
 use crate::physics::solve::PreconditionerKind;
 use crate::physics::solve::{SolverKind, Target};
@@ -69,6 +70,17 @@ pub enum SettingsError {
     /// No Newton steps.
     #[error("`newton_steps` is 0: it must be at least 1")]
     NoNewtonSteps,
+}
+
+/// Why there is no cloth of a fabric and settings, see [`Cloth::new`](crate::physics::Cloth::new).
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum NewClothError {
+    /// A constant of the fabric is invalid.
+    #[error("the fabric: {0}")]
+    Fabric(#[from] MaterialError),
+    /// A setting cannot be used.
+    #[error("the settings: {0}")]
+    Settings(#[from] SettingsError),
 }
 
 impl SolverSettings {

@@ -26,17 +26,19 @@ pub(super) use self::systems::{Keeper, close_frame, is_left_over, observe, plan,
 /// - What counts is the time in which cloths are collected, stepped (side by side, as far as there are threads) and written to
 ///   their meshes. What a step of each cloth will cost is predicted from what its steps have cost so far; the first frame after
 ///   many cloths have appeared may take longer, and so may a frame in which other programs are busy.
-/// - What is taken away: levels of [`ClothQuality`](super::ClothQuality), one by one, to the lowest, which takes a step in every
-///   fourth tick, as much longer; then every second of these. Cloths take turns, so that ticks are alike; motion is shown between
-///   steps, which makes it later by so many ticks; pins stay where their entity is.
-/// - From whom: the least important first, by [`ClothImportance`] × size on the largest of the active cameras' screens × 0.1
-///   if no camera saw it in the last frame, 0.01 if it is hidden. A rung further down counts twice as much as the one above.
+/// - A cloth is lowered rung by rung: through the levels of [`ClothQuality`](super::ClothQuality) down to the lowest, which takes one
+///   step of fourfold length in every fourth tick; then to one step in every eighth. Cloths take their steps in different ticks, so that
+///   all ticks cost about the same. The picture is interpolated between two steps, so it is later by as many ticks. Pins stay where
+///   their entity is.
+/// - The least important cloth is lowered first. Importance is [`ClothImportance`] × the size of the cloth on the largest of the active
+///   cameras' screens; × 0.1 if no camera saw the cloth in the last frame, × 0.01 if it is hidden. Each rung further down counts
+///   twice as much as the one above.
 /// - Quality is never raised beyond what was asked for. A cloth with a [`ClothSolver`](super::ClothSolver) keeps its settings;
-///   it takes fewer steps only once all others are at the end of the ladder.
+///   it takes fewer steps only once all other cloths are on the last rung.
 ///
-/// What becomes of each cloth stands in [`ClothState::quality`](super::ClothState::quality) and
-/// [`ClothState::update_interval`](super::ClothState::update_interval), the whole in [`ClothBudgetReport`]. With a budget, motion
-/// depends on how long things took: it is not the same in every run.
+/// [`ClothState::quality`](super::ClothState::quality) and [`ClothState::update_interval`](super::ClothState::update_interval) tell
+/// how each cloth is solved, [`ClothBudgetReport`] what all of them take. With a budget, motion depends on how long steps took: it is
+/// not the same in every run.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Resource, Default, Clone, PartialEq)]

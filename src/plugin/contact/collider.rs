@@ -17,8 +17,8 @@ use crate::plugin::id::give_later;
 
 /// A solid that cloth touches, where its entity is and as it moves.
 ///
-/// The shape is scaled by the entity's transform; that of a moving entity meets cloth with the velocity that led it to its
-/// present place. Kinematic: cloth does not push it.
+/// The shape is scaled by the entity's transform. A moving collider meets cloth with the velocity of its way since the last step.
+/// It is kinematic: cloth does not push it (but see `ClothPushes`, for bodies of Avian).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -42,9 +42,12 @@ pub struct ClothCollider {
     built: Built,
     /// Coefficient of Coulomb friction of its surface. That of a pair is the geometric mean of both. 0.5 by default.
     pub friction: f32,
-    /// A collider that moves further than this in one tick has jumped: it meets the cloth where it is, without a velocity, m.
-    /// Infinity: never.
-    pub teleport_distance: f32,
+    /// A collider that moves faster than this has jumped: it meets the cloth where it is, without a velocity, m/s. 100 by default:
+    /// an arrow, the fastest thing that is shot at cloth and seen, flies at 60 to 90, while a jump of 2 m within a tick of 1/64 s is
+    /// one of 128. The limit is one of speed, so that it does not depend on the length of a tick. Infinity: never.
+    ///
+    /// Slower jumps are told by [`ClothTeleport`](crate::plugin::ClothTeleport).
+    pub teleport_speed: f32,
 }
 
 /// What a description was made into.
@@ -78,7 +81,7 @@ impl PartialEq for ClothCollider {
     fn eq(&self, other: &Self) -> bool {
         self.shape == other.shape
             && self.friction == other.friction
-            && self.teleport_distance == other.teleport_distance
+            && self.teleport_speed == other.teleport_speed
             && (self.shape != ClothShape::Undescribed || Arc::ptr_eq(&self.built.shape.0, &other.built.shape.0))
     }
 }
@@ -93,7 +96,7 @@ impl FromReflect for ClothCollider {
         let shape = fields.field("shape").map_or_else(|| Some(ClothShape::default()), ClothShape::from_reflect)?;
         Some(Self {
             friction: number("friction").unwrap_or(Self::FRICTION),
-            teleport_distance: number("teleport_distance").unwrap_or(Self::TELEPORT_DISTANCE),
+            teleport_speed: number("teleport_speed").unwrap_or(Self::TELEPORT_SPEED),
             ..Self::described(shape)
         })
     }
@@ -107,8 +110,8 @@ struct Written {
     shape: ClothShape,
     #[serde(default = "friction")]
     friction: f32,
-    #[serde(default = "teleport_distance")]
-    teleport_distance: f32,
+    #[serde(default = "teleport_speed")]
+    teleport_speed: f32,
 }
 
 #[cfg(feature = "serialize")]
@@ -117,29 +120,29 @@ fn friction() -> f32 {
 }
 
 #[cfg(feature = "serialize")]
-fn teleport_distance() -> f32 {
-    ClothCollider::TELEPORT_DISTANCE
+fn teleport_speed() -> f32 {
+    ClothCollider::TELEPORT_SPEED
 }
 
 #[cfg(feature = "serialize")]
 impl From<Written> for ClothCollider {
-    fn from(Written { shape, friction, teleport_distance }: Written) -> Self {
-        Self { friction, teleport_distance, ..Self::described(shape) }
+    fn from(Written { shape, friction, teleport_speed }: Written) -> Self {
+        Self { friction, teleport_speed, ..Self::described(shape) }
     }
 }
 
 #[cfg(feature = "serialize")]
 impl From<ClothCollider> for Written {
-    fn from(ClothCollider { shape, friction, teleport_distance, .. }: ClothCollider) -> Self {
-        Self { shape, friction, teleport_distance }
+    fn from(ClothCollider { shape, friction, teleport_speed, .. }: ClothCollider) -> Self {
+        Self { shape, friction, teleport_speed }
     }
 }
 
 impl ClothCollider {
     /// Friction where none is given.
     pub(super) const FRICTION: f32 = 0.5;
-    /// A jump where nothing is said of it, m.
-    pub(super) const TELEPORT_DISTANCE: f32 = 2.0;
+    /// A jump where nothing is said of it, m/s.
+    pub(super) const TELEPORT_SPEED: f32 = 100.0;
 
     /// Any shape of [`parry3d`]. It is saved and reflected as the [`ClothShape`] that it is, or
     /// [not at all](ClothShape::Undescribed).
@@ -165,7 +168,7 @@ impl ClothCollider {
     }
 
     fn with(shape: ClothShape, built: Built) -> Self {
-        Self { shape, built, friction: Self::FRICTION, teleport_distance: Self::TELEPORT_DISTANCE }
+        Self { shape, built, friction: Self::FRICTION, teleport_speed: Self::TELEPORT_SPEED }
     }
 
     /// Of a shape that can be, or else says in time that it cannot.
@@ -201,9 +204,9 @@ impl ClothCollider {
         Self { friction, ..self }
     }
 
-    /// With another [`teleport_distance`](Self::teleport_distance), m.
-    pub fn with_teleport_distance(self, teleport_distance: f32) -> Self {
-        Self { teleport_distance, ..self }
+    /// With another [`teleport_speed`](Self::teleport_speed), m/s.
+    pub fn with_teleport_speed(self, teleport_speed: f32) -> Self {
+        Self { teleport_speed, ..self }
     }
 
     /// Refuses numbers that mean nothing.
@@ -212,10 +215,10 @@ impl ClothCollider {
             Err(error.clone().into())
         } else if !(self.friction.is_finite() && self.friction >= 0.0) {
             Err(ClothColliderError::Friction(self.friction.to_string()))
-        } else if self.teleport_distance >= 0.0 {
+        } else if self.teleport_speed >= 0.0 {
             Ok(())
         } else {
-            Err(ClothColliderError::TeleportDistance(self.teleport_distance.to_string()))
+            Err(ClothColliderError::TeleportSpeed(self.teleport_speed.to_string()))
         }
     }
 }
@@ -231,7 +234,7 @@ impl fmt::Debug for ClothCollider {
         f.debug_struct("ClothCollider")
             .field("shape", &self.built.shape.shape_type())
             .field("friction", &self.friction)
-            .field("teleport_distance", &self.teleport_distance)
+            .field("teleport_speed", &self.teleport_speed)
             .finish()
     }
 }

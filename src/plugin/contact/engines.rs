@@ -9,7 +9,7 @@ use super::collider::ClothCollider;
 use super::error::ClothColliderError;
 
 /// Beside a collider of Avian or Rapier: makes it a [`ClothCollider`] too, with its shape and friction, and keeps it one as
-/// that changes. [`ClothCollider::teleport_distance`] may be set on what is made.
+/// that changes. [`ClothCollider::teleport_speed`] may be set on what is made.
 ///
 /// A collider that is a child of a rigid body is marked itself, and has its own transform. While it is a sensor, or it or its body is
 /// disabled, it is no collider of cloth either. A mesh of triangles is taken over as [`ClothCollider::trimesh`] would make it, whatever
@@ -20,7 +20,7 @@ use super::error::ClothColliderError;
 #[require(Transform)]
 pub struct ClothPhysicsCollider;
 
-/// The [`ClothCollider::teleport_distance`] of a collider that is none for now, m.
+/// The [`ClothCollider::teleport_speed`] of a collider that is none for now, m/s.
 #[derive(Component)]
 pub(super) struct Suspended(f32);
 
@@ -38,11 +38,11 @@ pub(super) fn take_over(
     if current.is_some_and(same) {
         return;
     }
-    let teleport_distance = current.map(|current| current.teleport_distance).or(suspended.map(|suspended| suspended.0));
+    let teleport_speed = current.map(|current| current.teleport_speed).or(suspended.map(|suspended| suspended.0));
     if let Ok(mut entity) = commands.get_entity(entity) {
         let collider = ClothCollider::undescribed(shape.clone()).with_friction(friction);
-        let teleport_distance = teleport_distance.unwrap_or(ClothCollider::TELEPORT_DISTANCE);
-        entity.try_insert(collider.with_teleport_distance(teleport_distance)).try_remove::<Suspended>();
+        let teleport_speed = teleport_speed.unwrap_or(ClothCollider::TELEPORT_SPEED);
+        entity.try_insert(collider.with_teleport_speed(teleport_speed)).try_remove::<Suspended>();
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) fn suspend(commands: &mut Commands, entity: Entity, current: Option<&
     if let Some(current) = current
         && let Ok(mut entity) = commands.get_entity(entity)
     {
-        let suspended = Suspended(current.teleport_distance);
+        let suspended = Suspended(current.teleport_speed);
         entity.try_insert(suspended).try_remove::<(ClothCollider, ClothColliderError)>();
     }
 }

@@ -87,9 +87,9 @@ pub enum ClothColliderError {
     /// The friction is NaN, infinite or negative.
     #[error("`ClothCollider::friction` is {0}: it must be finite and not negative")]
     Friction(String),
-    /// The distance is NaN or negative.
-    #[error("`ClothCollider::teleport_distance` is {0}: it must not be negative")]
-    TeleportDistance(String),
+    /// The speed is NaN or negative.
+    #[error("`ClothCollider::teleport_speed` is {0}: it must not be negative")]
+    TeleportSpeed(String),
     /// The shape has no extent, a negative one, or one that is not finite.
     #[error("the shape of the collider is empty or not finite: look for sizes that are zero, negative or NaN")]
     Shape,

@@ -25,8 +25,8 @@ pub struct ClothMeshCollider {
     pub shape: ClothMeshShape,
     /// See [`ClothCollider::friction`]; 0.5 by default.
     pub friction: f32,
-    /// See [`ClothCollider::teleport_distance`], m.
-    pub teleport_distance: f32,
+    /// See [`ClothCollider::teleport_speed`], m/s; 100 by default.
+    pub teleport_speed: f32,
 }
 
 /// What a [`ClothMeshCollider`] makes of a mesh.
@@ -46,7 +46,7 @@ impl Default for ClothMeshCollider {
         Self {
             shape: ClothMeshShape::default(),
             friction: ClothCollider::FRICTION,
-            teleport_distance: ClothCollider::TELEPORT_DISTANCE,
+            teleport_speed: ClothCollider::TELEPORT_SPEED,
         }
     }
 }
@@ -158,7 +158,7 @@ impl ClothMeshCollider {
         }?;
         // The mesh describes it.
         let collider = ClothCollider::undescribed(collider.shape().clone());
-        Ok(Some(collider.with_friction(self.friction).with_teleport_distance(self.teleport_distance)))
+        Ok(Some(collider.with_friction(self.friction).with_teleport_speed(self.teleport_speed)))
     }
 }
 

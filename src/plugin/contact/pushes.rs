@@ -15,14 +15,19 @@ use crate::plugin::{ClothSystems, budget, step};
 
 /// On a dynamic rigid body of Avian: cloth that touches its colliders pushes it.
 ///
-/// After each step of a cloth, the body receives the opposite of the impulses that its colliders gave to the cloth, where they
-/// gave them, but never more of them than what stops it, carries its weight, and gives back the energy that the cloth took from it
-/// since they met: to the cloth a body is as heavy as can be during a step, so that what it asks of a light one may be far too
-/// much. So a body leaves a cloth no faster than it came. The cloth is counted as moving like its held vertices, or, if none is
-/// held, like all of it on average: what these do moves bodies.
+/// After each step of a cloth, each contact pushes the body with the opposite of the impulse that the cloth received, at the place of
+/// the contact. The sum of these impulses is limited, because a step of the cloth treats every body as infinitely heavy: the impulse
+/// computed for a light body may be far too large. The body receives at most the impulse that
 ///
-/// Weight and speed of bodies are those of the coming step of Avian. Bodies should have their real masses: what is much lighter than
-/// the cloth beside it is carried, but follows it less closely.
+/// 1. stops it against the cloth,
+/// 2. carries its weight,
+/// 3. returns the energy that the cloth took from the body since they met.
+///
+/// So a body leaves a cloth no faster than it came. Its speed is measured against the held vertices of the cloth, because these are
+/// moved by the game; against the average of all vertices if none is held.
+///
+/// Weight and speed of a body are those of the coming step of Avian. Give bodies their real masses: a body that is much lighter than
+/// the cloth beside it is carried, but follows the cloth less closely.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]
 #[reflect(Component, Default, Clone, PartialEq)]

@@ -66,8 +66,10 @@ pub(in crate::plugin) fn track(
     mut surroundings: ResMut<Surroundings>,
     mut keeper: ResMut<Keeper>,
     mut colliders: Query<Followed>,
+    time: Res<Time>,
 ) {
     let start = Instant::now();
+    let dt = time.delta_secs_f64();
     surroundings.clear();
     for (name, collider, mut track, layers, shown, propagated) in &mut colliders {
         // As it is at the time of the tick, not as it was propagated in the last frame. A hierarchy with a hole in it has no other.
@@ -75,7 +77,7 @@ pub(in crate::plugin) fn track(
         if place.teleported {
             track.moments.clear();
         }
-        let followed = track.follow(&collider, &place.now);
+        let followed = track.follow(&collider, &place.now, dt);
         if followed.is_err() {
             *track = Track::default();
         }
@@ -127,12 +129,17 @@ impl Track {
         self.moments.push_front(Moment { pose, bounds });
     }
 
-    fn follow(&mut self, collider: &Ref<ClothCollider>, transform: &GlobalTransform) -> Result<(), ClothColliderError> {
+    fn follow(
+        &mut self,
+        collider: &Ref<ClothCollider>,
+        transform: &GlobalTransform,
+        dt: f64,
+    ) -> Result<(), ClothColliderError> {
         collider.validate()?;
         let affine = usable(transform).map_err(|_| ClothColliderError::Transform)?;
         let (pose, size) = placed(&affine);
         let resized = self.resize(collider, size)?;
-        self.move_to(pose, collider.teleport_distance.into(), resized);
+        self.move_to(pose, f64::from(collider.teleport_speed) * dt, resized);
         Ok(())
     }
 
@@ -156,10 +163,11 @@ impl Track {
         Ok(true)
     }
 
-    fn move_to(&mut self, pose: Pose, teleport_distance: f64, resized: bool) {
+    /// Takes note of a pose, which it has jumped to if that is further away than `farthest`.
+    fn move_to(&mut self, pose: Pose, farthest: f64, resized: bool) {
         let Some(sized) = &self.sized else { return };
         let before = self.moments.front().map(|moment| moment.pose);
-        let jumped = |before: &Pose| before.translation.distance(pose.translation) > teleport_distance;
+        let jumped = |before: &Pose| before.translation.distance(pose.translation) > farthest;
         if before.as_ref().is_some_and(jumped) {
             self.moments.clear();
         }

@@ -3,6 +3,8 @@
 use bevy::math::Vec3;
 use bevy::platform::collections::{HashMap, HashSet};
 
+use crate::plugin::winding::Windings;
+
 /// Whether each edge is passed as often in one direction as in the other.
 pub(super) fn is_closed(triangles: &[[u32; 3]]) -> bool {
     let mut turns: HashMap<[u32; 2], i32> = HashMap::new();
@@ -26,50 +28,29 @@ fn edges(&[a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
 /// Turns triangles so that neighbors agree; of each connected part the fewer, and of a tie those that make the volume negative. Says
 /// how many; `None`, and nothing is turned, if they cannot agree: three at an edge, or a Möbius strip.
 pub(super) fn agree(triangles: &mut [[u32; 3]], vertices: &[Vec3]) -> Option<usize> {
-    let mut beside: HashMap<[u32; 2], Vec<(usize, bool)>> = HashMap::new();
-    for (index, triangle) in triangles.iter().enumerate() {
-        for [from, to] in edges(triangle) {
-            beside.entry([from.min(to), from.max(to)]).or_default().push((index, from < to));
-        }
+    let Windings { of, can_agree } = Windings::new(triangles);
+    if !can_agree {
+        return None;
     }
-    let mut turned = vec![None; triangles.len()];
-    for first in 0..triangles.len() {
-        if turned[first].is_some() {
-            continue;
-        }
-        turned[first] = Some(false);
-        let mut part = vec![first];
-        let mut next = 0;
-        while let Some(&index) = part.get(next) {
-            next += 1;
-            let its = turned[index]?;
-            for [from, to] in edges(&triangles[index]) {
-                for &(other, rising) in &beside[&[from.min(to), from.max(to)]] {
-                    // Neighbors pass their edge in opposite directions.
-                    let wanted = its ^ (rising == (from < to));
-                    match turned[other] {
-                        _ if other == index => {}
-                        None => {
-                            turned[other] = Some(wanted);
-                            part.push(other);
-                        }
-                        Some(decided) if decided != wanted => return None,
-                        Some(_) => {}
-                    }
-                }
-            }
-        }
-        let few = part.iter().filter(|&&index| turned[index] == Some(true)).count();
-        let as_turned = part.iter().map(|&index| turn(triangles[index], turned[index] == Some(true)));
-        let others = 2 * few > part.len() || (2 * few == part.len() && volume(as_turned, vertices) < 0.0);
-        for index in part.into_iter().filter(|_| others) {
-            turned[index] = turned[index].map(|turned| !turned);
-        }
+    let mut parts = vec![Vec::new(); triangles.len()];
+    for (&(first, turned), &triangle) in of.iter().zip(&*triangles) {
+        parts[first as usize].push(turn(triangle, turned));
     }
-    for (triangle, &turned) in triangles.iter_mut().zip(&turned) {
-        *triangle = turn(*triangle, turned == Some(true));
+    let counts = of.iter().filter(|(_, turned)| *turned).fold(vec![0; triangles.len()], |mut counts, &(first, _)| {
+        counts[first as usize] += 1;
+        counts
+    });
+    let others = |(part, count): (Vec<[u32; 3]>, usize)| {
+        2 * count > part.len() || (2 * count == part.len() && volume(part.into_iter(), vertices) < 0.0)
+    };
+    let others: Vec<bool> = parts.into_iter().zip(counts).map(others).collect();
+    let mut count = 0;
+    for (triangle, (first, turned)) in triangles.iter_mut().zip(of) {
+        let turned = turned ^ others[first as usize];
+        *triangle = turn(*triangle, turned);
+        count += usize::from(turned);
     }
-    Some(turned.iter().filter(|&&turned| turned == Some(true)).count())
+    Some(count)
 }
 
 /// The other way round, if it is to be.

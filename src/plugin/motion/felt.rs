@@ -1,8 +1,9 @@
 //! What of the motion of its entity a cloth feels.
 //!
-//! The motion M of a frame in a tick is split into F P: the cloth is carried by P as it is, with its history, and then feels F, in which
-//! its pins drag it. Most motions are felt wholly: then P is the identity. Everything is judged by the held vertices, so that a turn counts
-//! by how far it swings them, and by accelerations, so that nothing depends on how fast the world goes by or on the length of a tick.
+//! The motion M of the entity in a tick is split into M = F P. P carries the cloth as it is, with its history; then the pins drag it by F.
+//! Most motions are felt wholly: then P is the identity. The split depends on the speed of the held vertices, so that a turn counts by
+//! how far it swings them. It depends on changes of speed only, so that neither a steady speed of the whole world nor the length of a
+//! tick matters.
 
 use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
 

@@ -1,17 +1,18 @@
 //! Where the entities are that hold cloth or touch it, at the time of a tick.
 //!
-//! Games move things in different schedules, and the fixed loop runs before most of them: in a frame that has two ticks, what
-//! `Update` moves has not moved between these, and has moved twice as far before the next. So:
+//! Games move entities in different schedules, and the fixed loop runs before most of them. In a frame that has two ticks, an entity
+//! that `Update` moves stands still between these two, and moves twice as far before the next one. So:
 //!
-//! - What a fixed schedule moves is taken as it is, in the tick that moves it.
-//! - What is moved once a frame (in `Update`, by `AnimationPlayer` in `PostUpdate`, in `PreUpdate`) is known at the ends of frames.
-//!   Each tick sees it between the last of these, at a time of its own ([`clock`]), about one frame late.
-//! - What is eased between ticks for the eye (`TransformInterpolation` of physics engines) is moved by the ticks: easing is not taken
-//!   for motion.
+//! - A transform that a fixed schedule writes counts as it is, in the tick that writes it.
+//! - A transform that is written once a frame (in `Update`, by `AnimationPlayer` in `PostUpdate`, in `PreUpdate`) is noted at the end of
+//!   each frame. A tick interpolates between these notes at a time of its own ([`clock`]), about one frame late.
+//! - A transform that an engine eases between ticks for the eye (`TransformInterpolation`) is moved by the ticks: easing does not count
+//!   as motion.
 //!
-//! Translation, rotation and scale are told apart, each on its own ([`way`]), of every entity up to the root: a bone may be animated
-//! under a body that a fixed schedule moves. Cloths, pins and colliders all see the same time. What changes while no time passes, or
-//! further in a frame than a motion leads, has jumped: everything sees it at once.
+//! Each of these rules is applied to translation, rotation and scale separately ([`way`]), and to every entity up to the root, because a
+//! bone may be animated under a body that a fixed schedule moves. Cloths, pins and colliders all see the same time. A transform that
+//! changes while no time passes, or that changes its velocity by more than a motion does, has jumped: all ticks from then on see it in
+//! its new place.
 
 mod clock;
 mod felt;
@@ -63,7 +64,7 @@ struct Node {
     scale: Way<Vec3>,
     /// Tick that it was last asked for in.
     ticked: u32,
-    /// Tick that sees it elsewhere than the past led, without a motion.
+    /// Tick in which its past was replaced, because it jumped.
     rewritten: u32,
 }
 
@@ -71,7 +72,8 @@ struct Node {
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub now: GlobalTransform,
-    /// Where it has to be seen in the last tick so that what happened since is motion, if that is elsewhere than it was seen then.
+    /// Where it was in the last tick, as its past is known now, if the last tick saw it elsewhere. From here to `now` it moved; from
+    /// where it was seen to here it jumped.
     pub before: Option<GlobalTransform>,
     /// Whether [`ClothTeleport`] says that it did not move here.
     pub teleported: bool,
