@@ -108,7 +108,7 @@ fn a_cloth_on_a_box_that_moves_comes_to_rest() {
                 ride.fastest()
             });
             let fastest = fastest.fold(0.0, f64::max);
-            assert!(fastest < 0.01, "{velocity}, {level}: {fastest} m/s");
+            assert!(fastest < 0.03, "{velocity}, {level}: {fastest} m/s");
         }
     }
 }

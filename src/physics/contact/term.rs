@@ -14,6 +14,10 @@ impl<T: Scalar> Term<T> for ContactLayer {
         out.extend(active.map(|touch| touch.stencil(touch.point(at))));
     }
 
+    fn holds(&self) -> bool {
+        self.any_active()
+    }
+
     fn substep_potential(&self, x: &[DVec3]) -> f64 {
         self.touches.iter().map(|touch| touch.potential(touch.point(x))).sum()
     }

@@ -37,8 +37,6 @@ pub(super) struct Account {
 /// The energy a substep starts with, J.
 #[derive(Clone, Copy)]
 pub(super) struct Budget {
-    /// Velocity of the frame that it is counted in, m/s.
-    pub frame: DVec3,
     /// Kinetic energy, and potentials at xₙ with the pins at their new places.
     pub start: f64,
     /// The part of that which depends on positions alone.
@@ -79,23 +77,9 @@ impl Reached {
 
 impl Account {
     /// What a substep may spend. `dragged` is memory for where pins drag the cloth.
-    ///
-    /// Any frame bounds the energy, and no rule may prefer one at home to one on a train. In the frame of pins that move evenly their work
-    /// is nothing. Where they leap there is much kinetic energy in it; in the frame of the cloth as a whole their work is told by how
-    /// far they drag it, and of the two that counts in which the cloth may spend less.
     pub fn open<T: Scalar>(&mut self, terms: &mut Terms<T>, step: &Step, dragged: &mut Vec<DVec3>) -> Budget {
-        let now = *self.stored.get_or_insert_with(|| terms.system.stored(step.start.x, true));
-        let by_pins = self.budget(now, terms, step, dragged);
-        if !step.pins_leap() {
-            return by_pins;
-        }
-        let by_cloth = self.budget(now, terms, &step.in_frame(step.mean_velocity()), dragged);
-        if by_cloth.start < by_pins.start { by_cloth } else { by_pins }
-    }
-
-    /// The same in the frame of `step`.
-    fn budget<T: Scalar>(&self, now: f64, terms: &mut Terms<T>, step: &Step, dragged: &mut Vec<DVec3>) -> Budget {
         let start = &step.start;
+        let now = *self.stored.get_or_insert_with(|| terms.system.stored(start.x, true));
         let kinetic = kinetic(terms.parts(), step, start.frame, start.v);
         let fall = start.mass * start.gravity.length_squared() * start.dt * start.dt;
         let tolerance = TOLERANCE * (kinetic + now + fall);
@@ -110,7 +94,7 @@ impl Account {
             now
         };
         let gain = (tolerance - self.surplus).max(0.0);
-        Budget { frame: start.frame, start: kinetic + stored + driven, stored, tolerance, gain }
+        Budget { start: kinetic + stored + driven, stored, tolerance, gain }
     }
 
     /// The stored potential of a candidate, J, if it is finite and within the budget, slowed down a little if need be.

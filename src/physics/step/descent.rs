@@ -59,7 +59,7 @@ impl<T: Scalar> Descent<'_, '_, T> {
         let step = self.step;
         let dt = step.start.dt;
         let mut reached = self.begin(&mut budget)?;
-        let flying = !step.pins.any() && self.terms.contact.is_empty();
+        let flying = !step.pins.any() && self.terms.contact.is_empty() && !self.terms.hold();
         if flying {
             self.carry_on();
             self.candidate.positions.copy_from_slice(&self.iterate.point);

@@ -105,7 +105,6 @@ impl<T: Scalar> Stepper<T> {
         // 2. Budget: first, as a solve changes the turns of mid-edge normals, and with them the energy.
         let mut dragged = iterate;
         let budget = account.open(terms, step, &mut dragged.point);
-        let step = &step.in_frame(budget.frame);
         let start = &step.start;
 
         // 3. Begin the terms.
@@ -119,7 +118,7 @@ impl<T: Scalar> Stepper<T> {
         let slow = 0.5 * SETTLING_SPEED * SETTLING_SPEED * start.mass;
         let surface = terms.contact.surface_velocity(start);
         let settling_on = surface.filter(|&surface| kinetic(terms.parts(), step, surface, start.v) < slow);
-        let held = step.pins.any() || terms.contact.any_active();
+        let held = step.pins.any() || terms.hold();
         let ahead = Ahead::new(held, settling_on, start.dt);
         let mut prediction = Prediction::new(prediction, plan.scheme, ahead, step, history, terms.parts());
         if touching {
@@ -136,7 +135,7 @@ impl<T: Scalar> Stepper<T> {
 
         // 6. to 8. Finish, recover, accept.
         let accepted = solved.ok().and_then(|()| {
-            let free = !step.pins.any() && !touching;
+            let free = !held && !touching;
             prediction.finish(next, plan.scheme, &iterate, free, step, terms.parts());
             let rescues = terms.contact.guard(&step.around, start, &mut next.positions, &mut next.velocities);
             account.accept(budget, terms, next, step, report).map(|stored| (stored, rescues))
@@ -151,7 +150,6 @@ impl<T: Scalar> Stepper<T> {
                 terms.system.settle(start.x);
                 account.stored = None;
                 let budget = account.open(terms, step, &mut iterate.point);
-                let step = &step.in_frame(budget.frame);
                 let (prediction, iterate) = (&mut prediction, &mut iterate);
                 Descent { terms, newton, step, prediction, iterate, candidate: next }.run(budget, account, report)
             }

@@ -145,7 +145,7 @@ impl<T: Scalar> Newton<T> {
         let start = &step.start;
         expected.clear();
         let Scheme::Bdf2(bdf2) = plan.scheme else { return };
-        if !step.pins.any() || terms.contact.any_active() || start.dt > FRAME {
+        if !step.pins.any() || terms.hold() || start.dt > FRAME {
             return;
         }
         let square = bdf2.gamma * bdf2.gamma / start.dt;
@@ -182,9 +182,9 @@ impl<T: Scalar> Newton<T> {
         let Self { solver, settings, damping, constraints, stencils, solution, expected, residual } = self;
         let Iterate { point, moves } = iterate;
         let (held, masses) = (step.start.held, step.start.masses);
-        let touching = terms.contact.any_active();
-        // What touches is held by that: nothing else is known of its moves before the solve.
-        let any_held = step.pins.any() || touching;
+        // What is held by terms is: nothing else is known of its moves before the solve.
+        let by_terms = terms.hold();
+        let any_held = step.pins.any() || by_terms;
         terms.stencils(point, stencils);
         let Terms { system, .. } = terms;
         let mut implicit = ImplicitStep {
@@ -204,7 +204,7 @@ impl<T: Scalar> Newton<T> {
         };
         implicit.drift = match guess {
             Guess::Downhill => DVec3::ZERO,
-            _ if touching => DVec3::ZERO,
+            _ if by_terms => DVec3::ZERO,
             Guess::Point if any_held => DVec3::ZERO,
             Guess::Inertia if any_held => system.inertial_drift(&implicit, masses) / step.start.mass,
             Guess::Inertia | Guess::Point => system.free_drift(&implicit, masses),

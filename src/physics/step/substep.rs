@@ -7,9 +7,6 @@ use super::state::State;
 use crate::physics::contact::{Collider, ContactSettings, Surroundings};
 use crate::physics::terms::Substep;
 
-/// How much faster pins must get against the cloth, as a share of how fast they are against it, to leap.
-const LEAP: f64 = 1e-3;
-
 /// A substep of a cloth with its pins and colliders: nothing of it changes while the substep is taken.
 #[derive(Clone, Copy)]
 pub(in crate::physics) struct Step<'a> {
@@ -32,27 +29,6 @@ pub(in crate::physics) struct World<'a> {
     pub wind: DVec3,
     pub colliders: &'a [Collider],
     pub contact: ContactSettings,
-}
-
-impl Step<'_> {
-    /// The same with energies counted in a frame of another velocity, m/s.
-    pub fn in_frame(&self, frame: DVec3) -> Self {
-        Self { start: Substep { frame, ..self.start }, ..*self }
-    }
-
-    /// Of the cloth, m/s.
-    pub fn mean_velocity(&self) -> DVec3 {
-        mean_velocity(self.start.masses, self.start.mass, self.start.v)
-    }
-
-    /// Whether pins move faster against the cloth than in the substep before.
-    pub fn pins_leap(&self) -> bool {
-        let Substep { x, v, dt, .. } = self.start;
-        self.pins.mean_velocity(x, dt).is_some_and(|now| {
-            let mean = self.mean_velocity();
-            now.distance(mean) > (1.0 + LEAP) * self.pins.mean(v).distance(mean)
-        })
-    }
 }
 
 impl World<'_> {

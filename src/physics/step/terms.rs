@@ -39,6 +39,11 @@ impl<T: Scalar> Terms<T> {
         self.each().for_each(|term| term.begin(&step.start));
     }
 
+    /// Whether anything holds the cloth but pins.
+    pub fn hold(&mut self) -> bool {
+        self.each().any(|term| term.holds())
+    }
+
     /// Forces on points of the cloth, linearized with vertices at `x`.
     pub fn stencils(&mut self, x: &[DVec3], out: &mut Vec<Stencil>) {
         out.clear();
@@ -116,6 +121,10 @@ mod tests {
             out.push(Stencil::of_vertex(self.vertex, force, DMat3::from_diagonal(DVec3::splat(STIFFNESS))));
         }
 
+        fn holds(&self) -> bool {
+            true
+        }
+
         fn driven(&mut self, _: &Substep, x: &[DVec3], _: &[Part]) -> f64 {
             let square = x[self.vertex as usize].distance_squared(self.target);
             if self.honest { 0.5 * STIFFNESS * square } else { 0.0 }
@@ -183,8 +192,8 @@ mod tests {
             (0..60).for_each(|_| stage.step(DVec3::ZERO));
             stage
         });
-        assert_eq!((honest.report.velocity_clamps, honest.report.fallbacks), (0, 0));
-        assert!(lying.report.velocity_clamps + lying.report.fallbacks > 10);
+        let taken_away = |stage: &Stage| stage.report.velocity_clamps + stage.report.fallbacks;
+        assert!(taken_away(&honest) < 6 && taken_away(&lying) > 20, "{} {}", taken_away(&honest), taken_away(&lying));
         let mean = honest.state.velocities.iter().sum::<DVec3>() / 4.0;
         assert!(mean.distance(way / DT) < 1.5, "{mean}");
     }

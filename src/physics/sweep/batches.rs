@@ -32,8 +32,12 @@ impl Batches {
         }
         let (mut all, mut starts) = (Vec::new(), vec![0]);
         for mut group in by_part {
-            // What is near each other is worked on one after the other.
-            group.sort_by_key(|&source: &u32| triangles[source as usize].into_iter().min());
+            // What is near each other is worked on one after the other, in whatever order the mesh has its triangles.
+            group.sort_by_key(|&source: &u32| {
+                let mut vertices = triangles[source as usize];
+                vertices.sort_unstable();
+                vertices
+            });
             for color in by_color(&group, triangles, vertex_count) {
                 all.extend(color.chunks(ROWS).map(|sources| batch(sources, triangles)));
             }

@@ -94,7 +94,7 @@ mod tests {
         let triangle = Projected { dm_inverse: [[10.0, -3.0], [1.0, 8.0]], mobility: [0.5, 0.3, 0.8] };
         // D_m, in space.
         let det = 10.0 * 8.0 + 3.0;
-        (triangle, [V3([8.0 / det, 3.0 / det, 0.0]), V3([-1.0 / det, 10.0 / det, 0.0])])
+        (triangle, [V3([8.0 / det, -1.0 / det, 0.0]), V3([3.0 / det, 10.0 / det, 0.0])])
     }
 
     fn strain(rest: &membrane::Rest<f64>, [a, b]: [V3<f64>; 2]) -> [f64; 3] {

@@ -106,6 +106,11 @@ pub trait Term<T: Scalar>: Send + Sync {
     /// Adds forces on points of the cloth, linearized at the points of `at`.
     fn add_stencils(&mut self, _at: &[DVec3], _out: &mut Vec<Stencil>) {}
 
+    /// Whether it holds the cloth: a translation of all of it meets a force that grows with it.
+    fn holds(&self) -> bool {
+        false
+    }
+
     /// Potential of its forces that depends on positions alone, J: the next step knows it already.
     fn stored(&mut self, _at: &Trial<T>) -> f64 {
         0.0
