@@ -12,7 +12,6 @@ pub mod math;
 pub mod mesh;
 pub mod solve;
 mod step;
-mod sweep;
 pub mod terms;
 
 pub use cloth::{

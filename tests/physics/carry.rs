@@ -31,7 +31,7 @@ fn a_cloth_in_motion_goes_on_where_it_was_carried_as_it_would_have_gone_on() {
         there.step(DT);
         for (&x, &y) in here.positions().iter().zip(there.positions()) {
             let error = map.transform_point3(x).distance(y);
-            assert!(error < 1e-7, "step {step}: {error:e} m");
+            assert!(error < 1e-8, "step {step}: {error:e} m");
         }
     }
 }

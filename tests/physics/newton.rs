@@ -80,7 +80,6 @@ fn residual(pinned: bool, newton_steps: u32) -> f64 {
         wind: DVec3::ZERO,
         dissipates: true,
         projection: Projection::PositivePart,
-        stressed: false,
         drift: DVec3::ZERO,
         inertia: None,
         stencils: &[],
@@ -140,8 +139,7 @@ fn violent_states_are_as_safe_as_with_one() {
             }
             fallbacks
         });
-        // A quarter of a second is no step for Newton's method.
-        assert!(fallbacks[1] <= fallbacks[0].max(12) + 3, "{fallbacks:?} at {dt} s");
+        assert!(fallbacks[1] <= fallbacks[0] + 3, "{fallbacks:?} at {dt} s");
     }
 }
 

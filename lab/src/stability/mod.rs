@@ -122,9 +122,8 @@ mod tests {
         let survey = Survey { seed: 1, cell_runs: 0, random_runs: 400 };
         let runs = survey.run(&ProgressBar::hidden());
         let wanted = Wanted::of_core(&runs);
-        // A hundredth is for many runs: of these few, ten stand still. Three gain 7 to 9 %, pinned at more than any game has: not wanted,
-        // and told here so that it gets no worse.
-        assert!(wanted.failed.len() <= 3 && wanted.frozen <= 11, "{wanted}");
+        // A hundredth is for many runs: of these few, seven stand still.
+        assert!(wanted.failed.is_empty() && wanted.frozen <= 8, "{wanted}");
         let in_plugin = plugin::survey(&survey, 20, &ProgressBar::hidden());
         let wanted = Wanted::of_plugin(&in_plugin);
         assert!(wanted.is_met(), "{wanted}");

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use bevy_cloth::physics::{Cloth, StepOutcome, StepReport};
 use serde::Serialize;
 
-use super::energy::{Account, Accountant, PinWork, TOLERANCE};
+use super::energy::{Account, Accountant, TOLERANCE};
 use super::sample::{STEPS, Sample};
 use super::scene::Scene;
 use super::stillness::Stillness;
@@ -106,7 +106,7 @@ fn step_through(sample: &Sample, verdict: &mut Verdict, look_on: &mut impl FnMut
         let dt = sample.dt_of(step);
         time += dt;
         scene.move_pins(&mut cloth, step, time);
-        let work = accountant.work_of_pins(&cloth, dt);
+        let work = accountant.work_of_pins(&cloth);
         let report = cloth.step(dt);
         verdict.count(&report, cloth.settings().substeps);
         if !is_finite(&cloth) {
@@ -115,7 +115,7 @@ fn step_through(sample: &Sample, verdict: &mut Verdict, look_on: &mut impl FnMut
         }
         let rejected = report.outcome != StepOutcome::Accepted;
         // A rejected step leaves pins where they were.
-        let account = accountant.after(&cloth, dt, &if rejected { PinWork::default() } else { work });
+        let account = accountant.after(&cloth, dt, if rejected { 0.0 } else { work });
         let gain = accountant.gain();
         verdict.gain = verdict.gain.max(gain);
         // Not a number is no less than the tolerance either.

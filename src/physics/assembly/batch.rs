@@ -118,11 +118,6 @@ impl PartBatches {
     pub fn own(&self) -> Range<usize> {
         self.own.clone()
     }
-
-    /// The batches of all elements that have a vertex in the part.
-    pub fn all(&self) -> Range<usize> {
-        self.all.clone()
-    }
 }
 
 /// How far apart in their order the elements of a batch are: neighbours would add to the same sums, one waiting for the other.

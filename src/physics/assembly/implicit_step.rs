@@ -50,8 +50,6 @@ pub struct ImplicitStep<'a> {
     pub dissipates: bool,
     /// How the stress is made safe.
     pub projection: Projection,
-    /// Whether the geometric part is that of the stress where the step starts, see `triangles`, and not of x alone.
-    pub stressed: bool,
     /// Translation t that the solution is relative to, m.
     pub drift: DVec3,
     /// By vertex, if not 1 for all: factor of M in A and b. With (γ/Δt)² and y = xₙ + Δt vₙ a vertex takes a step of backward Euler
@@ -74,7 +72,6 @@ impl<'a> ImplicitStep<'a> {
             damping: 0.0,
             dissipates: false,
             projection: Projection::PositivePart,
-            stressed: false,
             drift: DVec3::ZERO,
             inertia: None,
             stencils: &[],
@@ -104,8 +101,6 @@ pub struct Linearization<'a, T: Scalar> {
     pub geometric: f64,
     /// How the stress is made safe.
     pub projection: Projection,
-    /// See [`ImplicitStep::stressed`].
-    pub stressed: bool,
     /// dp/γ: damping adds this times the Hessian's material part times `x − q` to the force.
     pub rate: f64,
 }
@@ -118,7 +113,6 @@ impl<'a, T: Scalar> Linearization<'a, T> {
             material: step.gamma * (step.gamma + step.damping),
             geometric: step.gamma * step.gamma,
             projection: step.projection,
-            stressed: step.stressed,
             rate: step.damping / step.gamma,
         }
     }

@@ -152,22 +152,22 @@ impl<T: Scalar> System<T> {
     }
 
     /// Sums what `of` says of the terms at `x`.
-    fn sum(&mut self, x: &[DVec3], is_state: bool, mut of: impl FnMut(&mut dyn Term<T>, &Trial<T>) -> f64) -> f64 {
+    fn sum(&mut self, x: &[DVec3], mut of: impl FnMut(&mut dyn Term<T>, &Trial<T>) -> f64) -> f64 {
         let Self { terms, points, local, middle, matrix, .. } = self;
         let parts = matrix.pattern().parts();
         place(parts, x, *middle, points, local);
-        let trial = Trial { places: Places { x: points, local }, parts, is_state };
+        let trial = Trial { places: Places { x: points, local }, parts };
         terms.each_mut().map(|term| of(term, &trial)).sum()
     }
 
-    /// Potential at `x` that depends on positions alone, J. See [`Trial::is_state`].
-    pub(crate) fn stored(&mut self, x: &[DVec3], is_state: bool) -> f64 {
-        self.sum(x, is_state, |term, trial| term.stored(trial))
+    /// Potential at `x` that depends on positions alone, J.
+    pub(crate) fn stored(&mut self, x: &[DVec3]) -> f64 {
+        self.sum(x, |term, trial| term.stored(trial))
     }
 
     /// The same. A term that has more than this forgets the hidden state that it has it by, and is asked again.
     pub(crate) fn stored_within(&mut self, limit: f64, x: &[DVec3]) -> f64 {
-        self.sum(x, false, |term, trial| {
+        self.sum(x, |term, trial| {
             let potential = term.stored(trial);
             if potential <= limit {
                 return potential;
@@ -204,7 +204,7 @@ impl<T: Scalar> System<T> {
 
     /// Says that the cloth is at `x` now, whatever was before.
     pub fn settle(&mut self, x: &[DVec3]) {
-        self.sum(x, false, |term, trial| {
+        self.sum(x, |term, trial| {
             term.settle(trial);
             0.0
         });

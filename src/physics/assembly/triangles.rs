@@ -3,11 +3,10 @@
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches, Slots};
 use super::implicit_step::{Linearization, Places, Projection};
-use super::parts::{Cut, Part, Split, for_parts};
+use super::parts::{Part, for_parts};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
-use crate::physics::energy::stress::Stress;
 use crate::physics::material::Fabric;
-use crate::physics::math::{Lanes, Oct, Pack, ROWS, Real, RowKernel, Scalar, V3};
+use crate::physics::math::{Lanes, Oct, Pack, ROWS, Real, Scalar, V3};
 use crate::physics::mesh::{RestShape, Triangle};
 use crate::physics::terms::{Term, Trial};
 
@@ -21,15 +20,7 @@ pub(super) struct Triangles<T> {
     /// Gram matrices of the rest edges: in f64, see [`membrane`].
     rest_grams: Vec<Gram<Pack<f64>>>,
     constants: Orthotropic<f64>,
-    /// By batch: stress of the state that the next step starts from, N/m.
-    stress: Vec<[Pack<T>; 3]>,
 }
-
-/// Share of the stress at the point of linearization in the geometric part of the Hessian; the rest is that of the state where the
-/// step starts. Green strain is quadratic, so the force where a step ends is exact for the stress *there*, which is near that of the
-/// state, while at the predicted point every triangle that turns has a stress that is not real. Without a share of it, the stretch of
-/// a sheet at 1/60 s is off by 117 % instead of 10 (`lab trade`, exact solves).
-const PREDICTED: f64 = 0.1;
 
 fn constants(fabric: &Fabric) -> Orthotropic<f64> {
     Orthotropic {
@@ -54,7 +45,6 @@ impl<T: Scalar> Triangles<T> {
             rest: vec![Rest { dm_inverse: [[zero; 2]; 2], area: zero }; count],
             rest_grams: vec![[Pack([0.0; ROWS]); 3]; count],
             constants: constants(fabric),
-            stress: vec![[zero; 3]; count],
         };
         triangles.measure(shape, inner);
         triangles
@@ -124,59 +114,7 @@ impl<T: Scalar> Term<T> for Triangles<T> {
     }
 
     fn stored(&mut self, at: &Trial<T>) -> f64 {
-        if !at.is_state {
-            return self.energy_at(at.parts, at.places);
-        }
-        let mut stress = core::mem::take(&mut self.stress);
-        let energy =
-            for_parts(at.parts, PerPart(&mut stress, self.batches.parts()), &|part: &Part, PerPart(stress, _)| {
-                T::dispatch(EnergyAndStress { triangles: self, part: part.index, at: at.places, stress })
-            });
-        self.stress = stress;
-        energy
-    }
-}
-
-/// Something of each batch, which is cut where the batches of a part end.
-struct PerPart<'a, S>(&'a mut [S], &'a [PartBatches]);
-
-impl<S: Send> Split for PerPart<'_, S> {
-    fn split(self, cut: Cut) -> (Self, Self) {
-        let (before, after) = self.1.split_at(cut.parts);
-        let batches = after[0].all().start - before[0].all().start;
-        let (first, second) = self.0.split_at_mut(batches);
-        (Self(first, before), Self(second, after))
-    }
-}
-
-/// Energy of the triangles of a part, and the stress in them.
-struct EnergyAndStress<'a, T: Scalar> {
-    triangles: &'a Triangles<T>,
-    part: usize,
-    at: Places<'a, T>,
-    /// By batch of the part.
-    stress: &'a mut [[Pack<T>; 3]],
-}
-
-impl<T: Scalar> RowKernel<T> for EnergyAndStress<'_, T> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run<S: Oct<T>>(self, s: S) -> f64 {
-        let Self { triangles, part, at, stress: all } = self;
-        let batches = &triangles.batches.parts()[part];
-        let mut sum = 0.0;
-        for (batch, kept) in batches.all().zip(all) {
-            let rest = triangles.rest(s, batch);
-            let k = triangles.constants(rest.area);
-            let strain = triangles.strain(s, batch, &rest, triangles.batches.edges(s.wide(), batch, at.x));
-            let Stress { s00, s11, s01 } = k.stress(&strain);
-            *kept = [s00.store(), s11.store(), s01.store()];
-            if batches.own().contains(&batch) {
-                sum += membrane::energy(&rest, &k, &strain).store().sum();
-            }
-        }
-        sum
+        self.energy_at(at.parts, at.places)
     }
 }
 
@@ -201,16 +139,9 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
         let strain = self.strain(s, batch, &rest, [e1, e2]);
         let w = rest.deformation([V3::narrow(s, e1), V3::narrow(s, e2)]);
         let stress = k.stress(&strain);
-        let geometric_stress = if at.stressed {
-            let [s00, s11, s01] = &self.stress[batch];
-            let start = Stress { s00: rest.area.like(s00), s11: rest.area.like(s11), s01: rest.area.like(s01) };
-            start * rest.area.splat(1.0 - PREDICTED) + stress * rest.area.splat(PREDICTED)
-        } else {
-            stress
-        };
         let projected = match at.projection {
-            Projection::PositivePart => geometric_stress.positive_part(),
-            Projection::Absolute => geometric_stress.absolute(),
+            Projection::PositivePart => stress.positive_part(),
+            Projection::Absolute => stress.absolute(),
         };
         let mut total = stress;
         if at.rate > 0.0 {

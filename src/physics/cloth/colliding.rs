@@ -111,8 +111,8 @@ mod tests {
             self.inner.turn_count()
         }
 
-        fn remember(&mut self, remembered: &Remembered, ordering: &Ordering, x: &[DVec3]) {
-            self.inner.remember(remembered, ordering, x);
+        fn remember(&mut self, remembered: &Remembered, ordering: &Ordering) {
+            self.inner.remember(remembered, ordering);
         }
 
         fn set_settings(&mut self, _: &SolverSettings) {}

@@ -281,7 +281,7 @@ impl Cloth {
         self.shown.positions.copy_from_slice(&snapshot.positions);
         self.shown.velocities.copy_from_slice(&snapshot.velocities);
         self.take_shown();
-        self.engine.remember(&snapshot.remembered, &self.ordering, &self.state.positions);
+        self.engine.remember(&snapshot.remembered, &self.ordering);
         self.pins.clear();
         for &(vertex, target) in &*snapshot.pins {
             self.pin(vertex, target);

@@ -25,7 +25,7 @@ impl<T: Scalar> Term<T> for ContactLayer {
     /// Work that colliders did, counting none that they took.
     fn work(&self, substep: &Substep, x: &[DVec3]) -> f64 {
         let done = |touch: &Touch| {
-            let way = touch.point(x) - touch.point(substep.x) - substep.dt * substep.frame;
+            let way = touch.point(x) - touch.point(substep.x);
             let along = touch.normal.dot(way) * touch.normal.dot(touch.acted);
             along.max(0.0) + (touch.acted.dot(way) - along).max(0.0)
         };

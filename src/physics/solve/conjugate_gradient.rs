@@ -64,10 +64,6 @@ impl<T: Scalar, P: Preconditioner<T>> LinearSolver<T> for ConjugateGradient<T, P
             Err(Breakdown::Matrix | Breakdown::Preconditioner { .. }) => Err(SolveError::NotPositiveDefinite),
         }
     }
-
-    fn smooth(&mut self, a: &BlockEll<T>, values: &mut [Padded<T>]) -> bool {
-        self.preconditioner.smooth(a, values)
-    }
 }
 
 /// Why conjugate gradients cannot go on. `d` is the best found so far, but where something is not finite.

@@ -67,7 +67,7 @@ impl Default for SolverKind {
     fn default() -> Self {
         Self::ConjugateGradient {
             tolerance: 0.005,
-            relative_tolerance: 0.02,
+            relative_tolerance: 0.03,
             max_iterations: 500,
             preconditioner: PreconditionerKind::Multigrid,
         }

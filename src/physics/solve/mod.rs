@@ -77,11 +77,6 @@ pub trait LinearSolver<T: Scalar>: Send + Sync {
         d: &mut [Padded<T>],
         target: Target,
     ) -> Result<Solved, SolveError>;
-
-    /// Replaces values of the rows by smooth ones: means over patches, as far as the solver knows of patches. Says whether it does.
-    fn smooth(&mut self, _a: &BlockEll<T>, _values: &mut [Padded<T>]) -> bool {
-        false
-    }
 }
 
 /// The solver of this kind for matrices of this pattern.

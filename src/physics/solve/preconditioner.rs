@@ -9,11 +9,6 @@ pub trait Preconditioner<T: Scalar>: Send + Sync {
     fn update(&mut self, a: &BlockEll<T>);
     /// `z = P⁻¹ r`, for the matrix that it was last adapted to, now interleaved; returns rᵀ z.
     fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
-
-    /// See [`LinearSolver::smooth`](super::LinearSolver::smooth).
-    fn smooth(&mut self, _a: &BlockEll<T>, _values: &mut [Padded<T>]) -> bool {
-        false
-    }
 }
 
 impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
@@ -23,10 +18,6 @@ impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
 
     fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         (**self).apply(a, r, z)
-    }
-
-    fn smooth(&mut self, a: &BlockEll<T>, values: &mut [Padded<T>]) -> bool {
-        (**self).smooth(a, values)
     }
 }
 

@@ -1,11 +1,9 @@
 //! The energy safeguard: no substep is taken that is not finite, or gains energy that nothing gave it.
 //!
 //! A substep from xₙ is accepted if the incremental potential of backward Euler (Gast et al. 2014, eq. 3),
-//! `Φ(x) = ½ |x − xₙ − Δt vₙ|²_M / Δt² + Σ potentials(x)`, is no higher where it ends than where the frame of the substep carries
-//! the cloth, with the pins at their new places, up to a tolerance: the work of pins and gravity is then part of the comparison, and
-//! what else the world does is allowed for by the [`work`](crate::physics::terms::Term::work) of terms. Otherwise the
-//! [`descent`](super::descent) lowers Φ. All energies are those of the [frame](crate::physics::terms::Substep::frame): what holds for a
-//! cloth at home holds for it on a train.
+//! `Φ(x) = ½ |x − xₙ − Δt vₙ|²_M / Δt² + Σ potentials(x)`, is no higher where it ends than at xₙ with the pins at their
+//! new places, up to a tolerance: the work of pins and gravity is then part of the comparison, and what else the world does is
+//! allowed for by the [`work`](crate::physics::terms::Term::work) of terms. Otherwise the [`descent`](super::descent) lowers Φ.
 //!
 //! Φ says where a substep may end, not how fast, and a tolerance used up in every substep would still add up. So there is an
 //! [`Account`] too: what kinetic energy and potentials have gained together beyond the work of pins and of the world, and not lost
@@ -14,7 +12,7 @@
 use bevy::math::DVec3;
 
 use super::state::State;
-use super::substep::{Step, mean_velocity};
+use super::substep::Step;
 use super::terms::Terms;
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::cloth::StepReport;
@@ -66,7 +64,7 @@ impl Budget {
 impl Reached {
     /// Of vertices at `x`, where the substep may end.
     pub fn new<T: Scalar>(terms: &mut Terms<T>, step: &Step, x: &[DVec3]) -> Self {
-        Self { stored: terms.system.stored(x, true), driven: terms.system.driven(&step.start, x) }
+        Self { stored: terms.system.stored(x), driven: terms.system.driven(&step.start, x) }
     }
 
     /// Φ, J.
@@ -79,11 +77,11 @@ impl Account {
     /// What a substep may spend. `dragged` is memory for where pins drag the cloth.
     pub fn open<T: Scalar>(&mut self, terms: &mut Terms<T>, step: &Step, dragged: &mut Vec<DVec3>) -> Budget {
         let start = &step.start;
-        let now = *self.stored.get_or_insert_with(|| terms.system.stored(start.x, true));
-        let kinetic = kinetic(terms.parts(), step, start.frame, start.v);
+        let now = *self.stored.get_or_insert_with(|| terms.system.stored(start.x));
+        let kinetic = kinetic(terms.parts(), step, DVec3::ZERO, start.v);
         let fall = start.mass * start.gravity.length_squared() * start.dt * start.dt;
         let tolerance = TOLERANCE * (kinetic + now + fall);
-        let moved = step.pins.waypoints().any(|(vertex, waypoint)| waypoint != start.carried(vertex));
+        let moved = step.pins.waypoints().any(|(vertex, waypoint)| waypoint != start.x[vertex]);
         drag_pins(step, dragged);
         let driven = terms.system.driven(start, dragged);
         let stored = if moved {
@@ -128,7 +126,7 @@ impl Account {
         step: &Step,
         report: &mut StepReport,
     ) -> bool {
-        let kinetic = kinetic(parts, step, step.start.frame, &candidate.velocities);
+        let kinetic = kinetic(parts, step, DVec3::ZERO, &candidate.velocities);
         let before = budget.start - reached.driven - reached.stored;
         let allowed = (before + budget.gain).max(0.0);
         if kinetic > allowed {
@@ -136,33 +134,18 @@ impl Account {
                 return false;
             }
             report.velocity_clamps += 1;
-            scale_down(candidate, kinetic, allowed, parts, step);
+            let scale = (allowed / kinetic).sqrt();
+            candidate.velocities.iter_mut().for_each(|v| *v *= scale);
         }
         self.surplus = (self.surplus + kinetic.min(allowed) - before).max(0.0);
         true
     }
 }
 
-/// Scales velocities so that the kinetic energy in the frame of the substep falls to what is allowed: about their mean, which is
-/// momentum, if nothing pins the cloth and that is enough, else about the frame.
-fn scale_down(State { velocities, .. }: &mut State, kinetic: f64, allowed: f64, parts: &[Part], step: &Step) {
-    let start = &step.start;
-    let mean = mean_velocity(start.masses, start.mass, velocities);
-    let of_mean = 0.5 * start.mass * mean.distance_squared(start.frame);
-    let (center, scale) = if !step.pins.any() && of_mean < allowed {
-        (mean, ((allowed - of_mean) / self::kinetic(parts, step, mean, velocities)).sqrt())
-    } else {
-        (start.frame, (allowed / kinetic).sqrt())
-    };
-    for v in velocities {
-        *v = center + scale * (*v - center);
-    }
-}
-
-/// Where the frame carries the vertices, with those that are held at their waypoints, m.
+/// xₙ with held vertices at their waypoints, m.
 pub(super) fn drag_pins(step: &Step, out: &mut Vec<DVec3>) {
     out.clear();
-    out.extend((0..step.start.x.len()).map(|vertex| step.start.carried(vertex)));
+    out.extend_from_slice(step.start.x);
     for (vertex, waypoint) in step.pins.waypoints() {
         out[vertex] = waypoint;
     }

@@ -83,7 +83,7 @@ impl<T: Scalar> Descent<'_, '_, T> {
                 }
             }
             // A solve brings the turns of mid-edge normals closer to their minimum: that is no work of the moves.
-            let stored = self.terms.system.stored(&self.iterate.point, false);
+            let stored = self.terms.system.stored(&self.iterate.point);
             let relaxed = reached.potential.stored - stored;
             reached.phi -= relaxed;
             reached.potential.stored = stored;
@@ -205,7 +205,6 @@ impl<T: Scalar> Descent<'_, '_, T> {
         let Self { terms, step, iterate, candidate, .. } = self;
         let start = &step.start;
         candidate.positions.copy_from_slice(&iterate.point);
-        terms.system.stored(&candidate.positions, true);
         for (v, (&new, &old)) in candidate.velocities.iter_mut().zip(iterate.point.iter().zip(start.x)) {
             *v = (new - old) / start.dt;
         }

@@ -41,8 +41,8 @@ pub(in crate::physics) trait Engine: Send + Sync {
     fn remembered(&self, ordering: &Ordering) -> Remembered;
     /// How many turns of mid-edge normals are remembered.
     fn turn_count(&self) -> usize;
-    /// Puts back what was remembered by an engine of the same cloth, which was at `x`.
-    fn remember(&mut self, remembered: &Remembered, ordering: &Ordering, x: &[DVec3]);
+    /// Puts back what was remembered by an engine of the same cloth.
+    fn remember(&mut self, remembered: &Remembered, ordering: &Ordering);
 }
 
 /// The engine of these settings. Its vertices are numbered as `ordering` says.

@@ -37,7 +37,6 @@ impl<T: Scalar> Engine for Stepper<T> {
     fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.terms.system.set_fabric(shape, fabric);
         self.terms.contact.set_fabric(fabric);
-        self.sweep.set_fabric(fabric);
         self.newton.damping = fabric.damping.into();
         self.account.stored = None;
     }
@@ -45,7 +44,6 @@ impl<T: Scalar> Engine for Stepper<T> {
     fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
         self.terms.system.measure(shape, fabric, ordering);
         self.terms.contact.measure(longest_sides(shape, ordering));
-        self.sweep.measure(shape);
         self.account.stored = None;
     }
 
@@ -119,13 +117,11 @@ impl<T: Scalar> Engine for Stepper<T> {
         self.terms.system.turns().len()
     }
 
-    fn remember(&mut self, remembered: &Remembered, ordering: &Ordering, x: &[DVec3]) {
+    fn remember(&mut self, remembered: &Remembered, ordering: &Ordering) {
         let mut held = vec![false; ordering.outer.len()];
         remembered.held.iter().for_each(|&vertex| held[vertex as usize] = true);
         self.terms.system.hold(&held);
         self.terms.system.set_turns(&remembered.turns.to::<T>());
-        // Terms keep what they find.
-        self.terms.system.stored(x, true);
         self.terms.contact.forget();
         self.terms.contact.recall_all(&remembered.touches);
         let state = &mut self.history.state;

@@ -3,7 +3,7 @@
 //! 1. **Plan**: how many substeps the step is taken in, and how each is integrated ([`plan`]).
 //! 2. **Budget**: what energy the cloth has, and may gain ([`acceptance`]).
 //! 3. **Begin the terms**: targets move, contacts are found ([`terms`], [`contact`](super::contact)).
-//! 4. **Predict**: where inertia leads, and where to linearize ([`prediction`], [`sweep`](super::sweep)).
+//! 4. **Predict**: where inertia leads, and where to linearize ([`prediction`]).
 //! 5. **Linearize and solve** A d = b, again where contact was wrong ([`newton`]).
 //! 6. **Finish**: the state that the moves lead to ([`prediction`]).
 //! 7. **Recover**: what ended inside a collider is moved out ([`contact`](super::contact)).
@@ -37,7 +37,7 @@ use self::newton::{Iterate, Newton};
 pub(super) use self::pins::Pins;
 pub(super) use self::plan::Impact;
 use self::plan::{LEAP, Plan};
-use self::prediction::{Ahead, Prediction};
+use self::prediction::Prediction;
 pub(super) use self::state::{History, State};
 pub(super) use self::substep::{Step, World};
 use self::terms::Terms;
@@ -47,7 +47,6 @@ use super::material::Fabric;
 use super::math::Scalar;
 use super::mesh::RestShape;
 use super::solve::solver;
-use super::sweep::StrainSweep;
 
 /// A cloth that touches something and is slower than this against it, m/s, settles: it is linearized further back.
 const SETTLING_SPEED: f64 = 0.1;
@@ -56,7 +55,6 @@ const SETTLING_SPEED: f64 = 0.1;
 struct Stepper<T: Scalar> {
     terms: Terms<T>,
     newton: Newton<T>,
-    sweep: StrainSweep<T>,
     history: History,
     account: Account,
     impact: Impact,
@@ -78,7 +76,6 @@ impl<T: Scalar> Stepper<T> {
         let count = shape.vertex_count();
         let solver = solver(settings.kind, system.matrix.pattern());
         Self {
-            sweep: StrainSweep::new(shape, fabric, &ordering.inner, system.matrix.pattern().parts()),
             newton: Newton::new(solver, *settings, fabric.damping.into(), count),
             terms: Terms { system, contact: terms::contact(shape, fabric, ordering) },
             history: History { state: State::zero(count), dt: None, changed: false },
@@ -99,7 +96,7 @@ impl<T: Scalar> Stepper<T> {
 
     /// Takes a substep; [`next`](Self::next) is where it leads.
     fn step(&mut self, step: &Step, report: &mut StepReport) -> Result<(), ClothFault> {
-        let Self { terms, newton, sweep, history, account, impact, next, memory } = self;
+        let Self { terms, newton, history, account, impact, next, memory } = self;
         let Memory { prediction, iterate } = core::mem::take(memory);
 
         // 2. Budget: first, as a solve changes the turns of mid-edge normals, and with them the energy.
@@ -118,24 +115,18 @@ impl<T: Scalar> Stepper<T> {
         let slow = 0.5 * SETTLING_SPEED * SETTLING_SPEED * start.mass;
         let surface = terms.contact.surface_velocity(start);
         let settling_on = surface.filter(|&surface| kinetic(terms.parts(), step, surface, start.v) < slow);
-        let held = step.pins.any() || terms.hold();
-        let ahead = Ahead::new(held, settling_on, start.dt);
-        let mut prediction = Prediction::new(prediction, plan.scheme, ahead, step, history, terms.parts());
+        let mut prediction = Prediction::new(prediction, plan.scheme, settling_on, step, history, terms.parts());
         if touching {
             prediction.start_touching(&terms.contact, plan.scheme.linear(start.dt).gamma, step);
         }
 
-        if held && settling_on.is_none() {
-            prediction.relax(sweep, plan.scheme, step, terms.parts());
-        }
-
         // 5. Linearize and solve.
         let mut iterate = Iterate::new(dragged, &prediction.point);
-        let solved = newton.run(terms, plan, history, (&mut prediction, &mut iterate), step, report);
+        let solved = newton.run(terms, plan, (&mut prediction, &mut iterate), step, report);
 
         // 6. to 8. Finish, recover, accept.
         let accepted = solved.ok().and_then(|()| {
-            let free = !held && !touching;
+            let free = !step.pins.any() && !touching && !terms.hold();
             prediction.finish(next, plan.scheme, &iterate, free, step, terms.parts());
             let rescues = terms.contact.guard(&step.around, start, &mut next.positions, &mut next.velocities);
             account.accept(budget, terms, next, step, report).map(|stored| (stored, rescues))

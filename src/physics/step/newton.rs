@@ -3,10 +3,9 @@
 use bevy::math::DVec3;
 use bevy::platform::time::Instant;
 
-use super::plan::{Plan, Scheme};
-use super::prediction::{FRAME, Linear, Prediction};
+use super::plan::Plan;
+use super::prediction::{Linear, Prediction};
 use super::rigid;
-use super::state::History;
 use super::substep::Step;
 use super::terms::Terms;
 use crate::physics::assembly::parts::{Part, for_parts};
@@ -81,8 +80,6 @@ pub(super) struct Newton<T: Scalar> {
     constraints: Constraints,
     stencils: Vec<Stencil>,
     solution: Vec<Padded<T>>,
-    /// See [`expect`](Self::expect), m; empty if nothing is expected.
-    expected: Vec<Padded<T>>,
     /// Of a cloth without pins; else empty.
     residual: Vec<Padded<T>>,
 }
@@ -96,7 +93,6 @@ impl<T: Scalar> Newton<T> {
             constraints: Constraints::default(),
             stencils: Vec::new(),
             solution: vec![Padded::zero(); vertices],
-            expected: Vec::new(),
             residual: Vec::new(),
         }
     }
@@ -110,12 +106,10 @@ impl<T: Scalar> Newton<T> {
         &mut self,
         terms: &mut Terms<T>,
         plan: Plan,
-        history: &History,
         (prediction, iterate): (&mut Prediction, &mut Iterate),
         step: &Step,
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
-        self.expect(terms, plan, history, step);
         let linear = plan.scheme.linear(step.start.dt);
         self.solve(terms, linear, Guess::Inertia, (prediction, iterate), step, report)?;
         let mut linearized = 1;
@@ -135,28 +129,6 @@ impl<T: Scalar> Newton<T> {
             linearized = if solved { plan.newton_steps } else { linearized + 1 };
         }
         Ok(())
-    }
-
-    /// What forces but inertia will move the vertices by, as far as the last step tells: the accelerations of patches of the cloth, as what
-    /// is smooth lasts. So conjugate gradients begin with what they are slowest to find. Not for cloth that nothing holds, whose momentum
-    /// it would change, nor in contact, where forces do not last; and from 1/30 s on it leads astray (`lab trade`).
-    fn expect(&mut self, terms: &mut Terms<T>, plan: Plan, history: &History, step: &Step) {
-        let Self { solver, expected, .. } = self;
-        let start = &step.start;
-        expected.clear();
-        let Scheme::Bdf2(bdf2) = plan.scheme else { return };
-        if !step.pins.any() || terms.hold() || start.dt > FRAME {
-            return;
-        }
-        let square = bdf2.gamma * bdf2.gamma / start.dt;
-        let before = &history.state.velocities;
-        expected.extend((0..start.v.len()).map(|vertex| {
-            let change = square * (start.v[vertex] - before[vertex]);
-            Padded::from_f64(if start.held[vertex] { DVec3::ZERO } else { change }.to_array())
-        }));
-        if !solver.smooth(&terms.system.matrix, expected) {
-            expected.clear();
-        }
     }
 
     /// Judges contact by where the last solve led; says whether so much of it was wrong that the system must be solved again.
@@ -179,7 +151,7 @@ impl<T: Scalar> Newton<T> {
         report: &mut StepReport,
     ) -> Result<(), ClothFault> {
         let start = Instant::now();
-        let Self { solver, settings, damping, constraints, stencils, solution, expected, residual } = self;
+        let Self { solver, settings, damping, constraints, stencils, solution, residual } = self;
         let Iterate { point, moves } = iterate;
         let (held, masses) = (step.start.held, step.start.masses);
         // What is held by terms is: nothing else is known of its moves before the solve.
@@ -197,7 +169,6 @@ impl<T: Scalar> Newton<T> {
             damping: if linear.dissipates { *damping } else { 0.0 },
             dissipates: linear.dissipates,
             projection: linear.projection,
-            stressed: guess == Guess::Inertia,
             drift: DVec3::ZERO,
             inertia: (!prediction.inertia.is_empty()).then_some(&prediction.inertia[..]),
             stencils,
@@ -233,12 +204,8 @@ impl<T: Scalar> Newton<T> {
                 }
                 Guess::Point | Guess::Downhill => -implicit.drift,
             };
-            let free = Padded::from_f64(free.to_array());
-            solution[vertex - part.rows.start] = match expected.get(vertex) {
-                _ if held[vertex] => prescribed(vertex),
-                Some(&expected) if guess == Guess::Inertia => free + expected,
-                _ => free,
-            };
+            solution[vertex - part.rows.start] =
+                if held[vertex] { prescribed(vertex) } else { Padded::from_f64(free.to_array()) };
         });
         let mut target = settings.target(step.start.mass, linear.gamma);
         if !any_held {

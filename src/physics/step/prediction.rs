@@ -10,19 +10,10 @@ use super::substep::Step;
 use crate::physics::assembly::Projection;
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::contact::ContactLayer;
-use crate::physics::math::Scalar;
-use crate::physics::sweep::StrainSweep;
 
 /// Share of the way ahead that a cloth which settles is linearized at: further on, its free folds and corners are driven by it as much
 /// as the air slows them, and swing for long.
 const SETTLING: f64 = 0.6;
-
-/// Steps of a frame or less, s.
-pub(super) const FRAME: f64 = 1.0 / 50.0;
-/// Sweeps over a prediction: a second one takes the flag of `lab trade` from 23.9 to 18.9 mm.
-const SWEEPS: u32 = 2;
-/// In steps longer than a frame, which turn further: at 1/30 s 52 instead of 79 mm.
-const LONG_SWEEPS: u32 = 8;
 
 /// What the scheme gives the linear system, by vertex. See [`ImplicitStep`](crate::physics::assembly::ImplicitStep).
 #[derive(Default)]
@@ -49,33 +40,6 @@ pub(super) struct Linear {
     pub pin_share: f64,
 }
 
-/// How far ahead a step of BDF2 is linearized.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ahead {
-    /// Where inertia leads, less the strain that a [sweep](Prediction::relax) takes out: cloth that is held, by pins or what it
-    /// touches.
-    Inertial,
-    /// A vertex whose velocity reverses from step to step less far, see [`hesitation`]: cloth that flies free, which sweeps take spin
-    /// from (`lab validate`), and steps of more than 1/25 s, in which the plain prediction is erratic (`lab trade`).
-    Hesitant,
-    /// A share of the way: a cloth that has nearly come to rest on something of this velocity, m/s.
-    Settling(DVec3),
-}
-
-impl Ahead {
-    /// For a cloth that is `held`, and one that touches something of a velocity, m/s, and is slow against that.
-    pub fn new(held: bool, settling_on: Option<DVec3>, dt: f64) -> Self {
-        const SHORT: f64 = 1.0 / 25.0;
-        if let Some(surface) = settling_on {
-            Self::Settling(surface)
-        } else if held && dt <= SHORT {
-            Self::Inertial
-        } else {
-            Self::Hesitant
-        }
-    }
-}
-
 impl Scheme {
     /// What of the linear system depends on the scheme, for a substep of `dt` seconds.
     pub fn linear(self, dt: f64) -> Linear {
@@ -89,8 +53,16 @@ impl Scheme {
 }
 
 impl Prediction {
-    /// By a scheme, in the memory of an earlier one.
-    pub fn new(memory: Self, scheme: Scheme, ahead: Ahead, step: &Step, history: &History, parts: &[Part]) -> Self {
+    /// By a scheme, in the memory of an earlier one. A cloth that has nearly come to rest on something of this velocity (m/s) is
+    /// linearized further back.
+    pub fn new(
+        memory: Self,
+        scheme: Scheme,
+        settling_on: Option<DVec3>,
+        step: &Step,
+        history: &History,
+        parts: &[Part],
+    ) -> Self {
         let Self { mut origin, mut inertial, mut point, mut inertia } = memory;
         let (dt, before) = (step.start.dt, &history.state);
         inertia.clear();
@@ -107,10 +79,9 @@ impl Prediction {
                     let origin = bdf2.combine(x, before.positions[vertex]);
                     let inertial = origin + bdf2.gamma * bdf2.combine(v, previous);
                     let mean = 0.5 * (v + previous);
-                    let point = match ahead {
-                        Ahead::Settling(surface) => x + dt * (surface + SETTLING * (mean - surface)),
-                        Ahead::Inertial => inertial,
-                        Ahead::Hesitant => {
+                    let point = match settling_on {
+                        Some(surface) => x + dt * (surface + SETTLING * (mean - surface)),
+                        None => {
                             let frame = step.start.frame;
                             inertial.lerp(x + dt * mean, hesitation(v - frame, previous - frame))
                         }
@@ -148,23 +119,6 @@ impl Prediction {
             point[vertex] = inertial[vertex];
         }
         contact.project(point, step.start.held);
-    }
-
-    /// Takes out of the point of linearization the strain that it has and the solution has not; held vertices go to where the pins lead.
-    /// For schemes that are linearized ahead.
-    pub fn relax<T: Scalar>(&mut self, sweep: &mut StrainSweep<T>, scheme: Scheme, step: &Step, parts: &[Part]) {
-        if !matches!(scheme, Scheme::Bdf2(_) | Scheme::Midpoint) {
-            return;
-        }
-        let Linear { gamma, pin_share, .. } = scheme.linear(step.start.dt);
-        let start = &step.start;
-        for (vertex, waypoint) in step.pins.waypoints() {
-            self.point[vertex] = start.x[vertex].lerp(waypoint, pin_share);
-        }
-        let Self { point, inertia, .. } = self;
-        let fixed = |vertex: usize| start.held[vertex] || inertia.get(vertex).is_some_and(|&factor| factor != 1.0);
-        let sweeps = if step.start.dt <= FRAME { SWEEPS } else { LONG_SWEEPS };
-        sweep.run((sweeps, gamma * gamma), start.x, start.masses, fixed, point, parts);
     }
 
     /// Whether a vertex takes a step of backward Euler.

@@ -43,13 +43,13 @@ impl<T: Scalar> Term<T> for AirDrag {
 
     /// What the wind pushes the cloth along by; what the air takes is not counted.
     fn work(&self, substep: &Substep, x: &[DVec3]) -> f64 {
-        let Substep { held, masses, wind, frame, dt, .. } = *substep;
-        if self.rate == 0.0 || wind == frame {
+        let Substep { x: start, held, masses, wind, dt, .. } = *substep;
+        if self.rate == 0.0 || wind == DVec3::ZERO {
             return 0.0;
         }
         let pushed = |vertex: usize| {
-            let way = x[vertex] - substep.carried(vertex);
-            (self.rate * masses[vertex] * (wind - frame - way / dt).dot(way)).max(0.0)
+            let way = x[vertex] - start[vertex];
+            (self.rate * masses[vertex] * (wind - way / dt).dot(way)).max(0.0)
         };
         (0..x.len()).filter(|&vertex| !held[vertex]).map(pushed).sum()
     }

@@ -24,12 +24,12 @@ impl<T: Scalar> Term<T> for Gravity {
         }
     }
 
-    /// Zero where the frame carries the cloth.
+    /// Zero at xₙ.
     fn driven(&mut self, substep: &Substep, x: &[DVec3], parts: &[Part]) -> f64 {
-        let Substep { held, masses, gravity, .. } = *substep;
+        let Substep { x: start, held, masses, gravity, .. } = *substep;
         for_parts(parts, (), &|part: &Part, ()| {
             let free = part.rows.clone().filter(|&vertex| !held[vertex]);
-            -free.map(|vertex| masses[vertex] * gravity.dot(x[vertex] - substep.carried(vertex))).sum::<f64>()
+            -free.map(|vertex| masses[vertex] * gravity.dot(x[vertex] - start[vertex])).sum::<f64>()
         })
     }
 }

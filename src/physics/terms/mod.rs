@@ -45,7 +45,7 @@ pub struct Substep<'a> {
     pub gravity: DVec3,
     /// Velocity of the air, m/s.
     pub wind: DVec3,
-    /// Velocity of the frame that energies are counted in, m/s: that of the pins, or of the cloth as a whole. A cloth on a train is
+    /// Velocity of the frame that speeds are judged in, m/s: that of the pins, or of the cloth as a whole. A cloth on a train is
     /// judged as one at home.
     pub frame: DVec3,
     /// Length Δt, s.
@@ -54,13 +54,6 @@ pub struct Substep<'a> {
     pub from: f64,
     /// See [`from`](Self::from).
     pub to: f64,
-}
-
-impl Substep<'_> {
-    /// Where a vertex is that goes along with the frame, m.
-    pub fn carried(&self, vertex: usize) -> DVec3 {
-        self.x[vertex] + self.dt * self.frame
-    }
 }
 
 /// What a term of single vertices adds to a row of A and b.
@@ -79,8 +72,6 @@ pub struct Trial<'a, T: Scalar> {
     pub places: Places<'a, T>,
     /// The parts that sums are made by.
     pub parts: &'a [Part],
-    /// Whether the cloth is there, or will be if the substep is accepted: what a term finds there it may need in the next.
-    pub is_state: bool,
 }
 
 /// A term of the step: forces, their part of A, and where their energy comes from. All methods do nothing unless said otherwise.

@@ -146,20 +146,6 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
     fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         cycle(&mut self.levels, &mut self.factor, a, r, z)
     }
-
-    /// Means over the patches that an unknown of the second coarse level stands for.
-    fn smooth(&mut self, a: &BlockEll<T>, values: &mut [Padded<T>]) -> bool {
-        let [first, second, ..] = &mut self.levels[..] else { return false };
-        let Level { coarse, coarse_r: means, .. } = first;
-        first.prolongation.mean(coarse.pattern(), values, means);
-        let Level { coarse: coarser, coarse_r: patches, .. } = second;
-        second.prolongation.mean(coarser.pattern(), means, patches);
-        means.fill(Padded::zero());
-        second.prolongation.prolong(coarse.pattern(), &coarse.fixed, patches, means);
-        values.fill(Padded::zero());
-        first.prolongation.prolong(a.pattern(), &a.fixed, means, values);
-        true
-    }
 }
 
 fn cycle<T: Scalar>(

@@ -86,16 +86,6 @@ impl<T: Scalar> Prolongation<T> {
         });
     }
 
-    /// Means of `values` by column, weighted as in P.
-    pub fn mean(&self, coarse_pattern: &BlockPattern, values: &[Padded<T>], means: &mut [Padded<T>]) {
-        self.restrict(coarse_pattern, values, means);
-        for (mean, column) in means.iter_mut().zip(self.column_starts.windows(2)) {
-            let entries = &self.column_entries[column[0] as usize..column[1] as usize];
-            let weight: f64 = entries.iter().map(|(_, weight)| weight.to_f64()).sum();
-            *mean = *mean * T::from_f64(1.0 / weight.max(f64::MIN_POSITIVE));
-        }
-    }
-
     /// `z += P e` but for the rows that are `fixed`.
     pub fn prolong(&self, pattern: &BlockPattern, fixed: &[bool], e: &[Padded<T>], z: &mut [Padded<T>]) {
         for_parts(pattern.parts(), z, &|part: &Part, z| dispatch(Prolong { p: self, part, fixed, e, z }));
