@@ -10,11 +10,12 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// Rows that the pattern has as neighbours.
+    /// Rows that are coupled by blocks.
     pub fn of_pattern(pattern: &BlockPattern) -> Self {
-        let mut rows: Vec<Vec<u32>> = (0..pattern.row_count()).map(|row| pattern.near(row).collect()).collect();
+        let mut rows = vec![Vec::new(); pattern.row_count()];
         for row in 0..pattern.row_count() {
-            for column in pattern.near(row) {
+            for column in pattern.row(row).map(|slot| pattern.column(slot)) {
+                rows[row].push(column);
                 rows[column as usize].push(row as u32);
             }
         }

@@ -8,6 +8,9 @@
 //! z ← z + P e                   z ← backward sweep from z
 //! ```
 //!
+//! The scalars F beside the finest matrix are left out, on all levels. Plates take a sixth more iterations for that, at the median.
+//! `Pᵀ F P` in the coarse matrices costs 3 to 9 % of a frame, as they get denser, and saves none of these.
+//!
 //! The prolongation P depends on the pattern alone. So the coarse matrices Pᵀ A P have fixed patterns, found once, and
 //! only their values follow A. The coarsest level is factorised.
 
@@ -22,7 +25,7 @@ use self::graph::Graph;
 use self::prolongation::Prolongation;
 use super::gauss_seidel::GaussSeidel;
 use super::{IncompleteCholesky, Preconditioner};
-use crate::physics::assembly::{BlockCsr, BlockPattern, Slicing, colour};
+use crate::physics::assembly::{BlockEll, BlockPattern, Slicing, colour};
 use crate::physics::math::{Padded, Scalar};
 
 /// Levels of so few nodes are not coarsened further.
@@ -50,7 +53,7 @@ struct Level<T: Scalar> {
     prolongation: Prolongation<T>,
     galerkin: Galerkin<T>,
     /// Matrix, right-hand side and solution of the level below.
-    coarse: BlockCsr<T>,
+    coarse: BlockEll<T>,
     coarse_r: Vec<Padded<T>>,
     coarse_z: Vec<Padded<T>>,
 }
@@ -83,7 +86,7 @@ impl<T: Scalar> Multigrid<T> {
                 smoother: GaussSeidel::new(&pattern),
                 prolongation,
                 galerkin,
-                coarse: BlockCsr::zero(Arc::clone(&coarse_pattern)),
+                coarse: BlockEll::zero(Arc::clone(&coarse_pattern)),
                 coarse_r: vec![Padded::zero(); count],
                 coarse_z: vec![Padded::zero(); count],
             });
@@ -127,7 +130,7 @@ fn in_order(
 }
 
 impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
-    fn update(&mut self, a: &BlockCsr<T>) {
+    fn update(&mut self, a: &BlockEll<T>) {
         let mut fine = a;
         for Level { smoother, prolongation, galerkin, coarse, .. } in &mut self.levels {
             smoother.update(fine);
@@ -140,7 +143,7 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
         }
     }
 
-    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         cycle(&mut self.levels, &mut self.factor, a, r, z)
     }
 }
@@ -148,7 +151,7 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
 fn cycle<T: Scalar>(
     levels: &mut [Level<T>],
     factor: &mut IncompleteCholesky<T>,
-    a: &BlockCsr<T>,
+    a: &BlockEll<T>,
     r: &[Padded<T>],
     z: &mut [Padded<T>],
 ) -> f64 {
