@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy_cloth::physics::Cloth;
-use bevy_cloth::physics::assembly::{BlockEll, ImplicitStep, Ordering, System, constrain};
+use bevy_cloth::physics::assembly::{BlockCsr, ImplicitStep, Ordering, System, constrain};
 use bevy_cloth::physics::math::{M3, Padded, RowSums};
 use pulp::{Simd, WithSimd};
 
@@ -54,16 +54,10 @@ pub struct FullMatrix {
 
 impl FullMatrix {
     /// The same matrix, with the blocks above the diagonal too.
-    pub fn new(a: &BlockEll<f32>) -> Self {
+    pub fn new(a: &BlockCsr<f32>) -> Self {
         let count = a.pattern().row_count();
         let mut rows: Vec<Vec<(u32, M3<f32>)>> = (0..count).map(|row| vec![(row as u32, a.diagonal(row))]).collect();
-        let far = a.pattern().far();
         for row in 0..count {
-            for entry in far.row(row) {
-                let scalar = a.far()[entry];
-                rows[row][0].1 = rows[row][0].1.add_diagonal(-scalar);
-                rows[row].push((far.column(entry), M3::scaled_identity(scalar)));
-            }
             for (column, block) in a.lower_row(row) {
                 rows[row].push((column, block));
                 rows[column as usize].push((row as u32, block.transpose()));

@@ -11,7 +11,6 @@ mod contact_surfaces;
 mod derivatives;
 mod determinism;
 mod extremes;
-mod matrices;
 mod meshes;
 mod newton;
 mod pins;

@@ -1,7 +1,7 @@
 //! The preconditioners, on matrices of real cloths.
 
 use bevy::math::DVec3;
-use bevy_cloth::physics::assembly::{BlockEll, ImplicitStep, Ordering, System, constrain};
+use bevy_cloth::physics::assembly::{BlockCsr, ImplicitStep, Ordering, System, constrain};
 use bevy_cloth::physics::math::{M3, Padded, Scalar};
 use bevy_cloth::physics::solve::{
     BlockJacobi, ConjugateGradient, IncompleteCholesky, LinearSolver, Multigrid, Preconditioner, PreconditionerKind,
@@ -68,7 +68,7 @@ fn dot<T: Scalar>(a: &[Padded<T>], b: &[Padded<T>]) -> f64 {
 }
 
 /// P⁻¹ has to be symmetric and positive definite: |uᵀP⁻¹v − vᵀP⁻¹u| relative to √(uᵀP⁻¹u vᵀP⁻¹v).
-fn asymmetry<T: Scalar>(a: &BlockEll<T>, kind: PreconditionerKind) -> f64 {
+fn asymmetry<T: Scalar>(a: &BlockCsr<T>, kind: PreconditionerKind) -> f64 {
     let rows = a.pattern().row_count();
     let mut p = preconditioner(kind, a.pattern());
     p.update(a);
@@ -89,7 +89,7 @@ fn asymmetry<T: Scalar>(a: &BlockEll<T>, kind: PreconditionerKind) -> f64 {
 
 /// Iterations until √(rᵀP⁻¹r) is `reduction` times what it was at d = 0.
 fn iterations<T: Scalar, P: Preconditioner<T>>(
-    system: &(BlockEll<T>, Vec<Padded<T>>),
+    system: &(BlockCsr<T>, Vec<Padded<T>>),
     mut p: P,
     reduction: f64,
 ) -> Solved {
@@ -104,7 +104,7 @@ fn iterations<T: Scalar, P: Preconditioner<T>>(
     ConjugateGradient::new(b.len(), p, 2000).solve(&mut a, &b, &mut d, target).unwrap()
 }
 
-fn parts<T: Scalar>(system: System<T>) -> (BlockEll<T>, Vec<Padded<T>>) {
+fn parts<T: Scalar>(system: System<T>) -> (BlockCsr<T>, Vec<Padded<T>>) {
     (system.matrix, system.rhs)
 }
 

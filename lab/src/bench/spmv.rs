@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use bevy_cloth::physics::Cloth;
-use bevy_cloth::physics::assembly::BlockEll;
+use bevy_cloth::physics::assembly::BlockCsr;
 use bevy_cloth::physics::math::Padded;
 
 use crate::matrix::{FullMatrix, StepSystem};
@@ -15,7 +15,7 @@ const TRIES: usize = 3;
 /// The matrix of a cloth, and a vector to multiply it with.
 pub struct Yardstick {
     full: FullMatrix,
-    half: BlockEll<f32>,
+    half: BlockCsr<f32>,
     x: Vec<Padded<f32>>,
     y: Vec<Padded<f32>>,
 }

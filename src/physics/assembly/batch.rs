@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::implicit_step::{Linearisation, Places};
+use super::implicit_step::Linearisation;
 use super::{BlockPattern, Group, Part};
 use crate::physics::math::{Lanes, M3, Oct, Padded, ROWS, RowKernel, Scalar, V3};
 
@@ -11,15 +11,15 @@ pub(super) trait Elements<T: Scalar>: Sync {
     /// The batches of each part.
     fn batches(&self) -> &[PartBatches];
     /// Energy of the elements of a batch, J.
-    fn energy<S: Oct<T>>(&self, s: S, batch: usize, at: Places<T>) -> Lanes<T, S>;
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S>;
     /// Adds forces, damping included, and of the weighted projected Hessian of a batch what is below the diagonal: the rest
     /// follows from it, see [`row_sums`](super::row_sums).
     fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>);
 }
 
 /// Energy of the elements of a part, J.
-pub(super) fn energy<T: Scalar>(elements: &impl Elements<T>, part: usize, at: Places<T>) -> f64 {
-    T::dispatch(EnergyOf { elements, part, at })
+pub(super) fn energy<T: Scalar>(elements: &impl Elements<T>, part: usize, x: &[Padded<f64>]) -> f64 {
+    T::dispatch(EnergyOf { elements, part, x })
 }
 
 /// Adds what the elements have to say about the rows of a part.
@@ -27,20 +27,20 @@ pub(super) fn assemble<T: Scalar>(elements: &impl Elements<T>, at: &Linearisatio
     T::dispatch(Assemble { elements, at, out });
 }
 
-struct EnergyOf<'a, E, T: Scalar> {
+struct EnergyOf<'a, E> {
     elements: &'a E,
     part: usize,
-    at: Places<'a, T>,
+    x: &'a [Padded<f64>],
 }
 
-impl<T: Scalar, E: Elements<T>> RowKernel<T> for EnergyOf<'_, E, T> {
+impl<T: Scalar, E: Elements<T>> RowKernel<T> for EnergyOf<'_, E> {
     type Output = f64;
 
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) -> f64 {
         let mut sum = 0.0;
         for batch in self.elements.batches()[self.part].own.clone() {
-            sum += self.elements.energy(s, batch, self.at).store().sum();
+            sum += self.elements.energy(s, batch, self.x).store().sum();
         }
         sum
     }
@@ -126,14 +126,16 @@ const APART: usize = 8;
 /// No element.
 pub(super) const FILLER: u32 = u32::MAX;
 
-/// The vertices of elements of one kind, V each.
+/// The vertices and matrix slots of elements of one kind, of V vertices and P = V (V−1)/2 pairs each.
 #[derive(Clone, Debug)]
-pub(super) struct Batches<const V: usize> {
+pub(super) struct Batches<const V: usize, const P: usize> {
     vertices: Vec<[u32; V]>,
+    /// Slots of the pairs (1, 0), (2, 0), (2, 1), … of the vertices.
+    slots: Vec<[u32; P]>,
     parts: Vec<PartBatches>,
 }
 
-impl<const V: usize> Batches<V> {
+impl<const V: usize, const P: usize> Batches<V, P> {
     /// Batches of these elements, and which of them stands at each place; [`FILLER`] where a batch is filled up with a copy,
     /// whose rest data must make it contribute nothing.
     /// They stand in the order of `rank`, by vertex: so what is near each other is worked on one after the other.
@@ -150,7 +152,7 @@ impl<const V: usize> Batches<V> {
                 }
             }
         }
-        let mut batches = Self { vertices: Vec::new(), parts: Vec::new() };
+        let mut batches = Self { vertices: Vec::new(), slots: Vec::new(), parts: Vec::new() };
         let mut sources = Vec::new();
         for groups in in_part {
             let start = sources.len() / ROWS;
@@ -169,6 +171,7 @@ impl<const V: usize> Batches<V> {
         }
         batches.vertices.shrink_to_fit();
         sources.shrink_to_fit();
+        batches.slots = batches.vertices.iter().map(|&vertices| pair_slots(vertices, pattern)).collect();
         (batches, sources)
     }
 
@@ -183,14 +186,32 @@ impl<const V: usize> Batches<V> {
         column(&self.vertices, batch, which)
     }
 
-    /// The vertices of the element at a place.
-    pub fn element(&self, place: usize) -> [u32; V] {
-        self.vertices[place]
+    /// The slot of one pair of each element of a batch.
+    #[inline(always)]
+    pub fn slots(&self, batch: usize, pair: usize) -> [u32; ROWS] {
+        column(&self.slots, batch, pair)
     }
 
-    /// Vertices 1… of each element relative to its vertex 0: edges from places, their changes from moves.
+    /// Vertices 1… of each element relative to its vertex 0, in f64: far from the origin, and for short edges, f32 positions
+    /// would not do.
     #[inline(always)]
-    pub fn edges<T: Scalar, S: Oct<T>, const E: usize>(
+    pub fn edges<S: Oct<f64>, const E: usize>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> [V3<Lanes<f64, S>>; E] {
+        self.differences(s, batch, x)
+    }
+
+    /// How much each of those edges changes when the vertices move so far.
+    #[inline(always)]
+    pub fn edge_moves<T: Scalar, S: Oct<T>, const E: usize>(
+        &self,
+        s: S,
+        batch: usize,
+        moved: &[Padded<T>],
+    ) -> [V3<Lanes<T, S>>; E] {
+        self.differences(s, batch, moved)
+    }
+
+    #[inline(always)]
+    fn differences<T: Scalar, S: Oct<T>, const E: usize>(
         &self,
         s: S,
         batch: usize,
@@ -224,24 +245,11 @@ fn gather<T: Scalar>(x: &[Padded<T>], vertices: [u32; ROWS]) -> [Padded<T>; ROWS
     gathered
 }
 
-/// Where the blocks of elements of one kind are in the matrix, of P = V (V−1)/2 pairs of vertices each.
-#[derive(Clone, Debug)]
-pub(super) struct Slots<const P: usize>(Vec<[u32; P]>);
-
-impl<const P: usize> Slots<P> {
-    /// Of these elements.
-    pub fn new<const V: usize>(batches: &Batches<V>, pattern: &BlockPattern) -> Self {
-        let slot = |i: u32, j: u32| pattern.slot(i.max(j), i.min(j)).expect("the pattern is made of the elements");
-        let slots = |vertices: &[u32; V]| {
-            let mut pairs = (1..V).flat_map(|i| (0..i).map(move |j| slot(vertices[i], vertices[j])));
-            core::array::from_fn(|_| pairs.next().expect("P is the number of pairs"))
-        };
-        Self(batches.vertices.iter().map(slots).collect())
-    }
-
-    /// Those of one of the pairs (1, 0), (2, 0), (2, 1), … of each element of a batch.
-    #[inline(always)]
-    pub fn of_pair(&self, batch: usize, pair: usize) -> [u32; ROWS] {
-        column(&self.0, batch, pair)
-    }
+/// Slots of the pairs of an element's vertices.
+fn pair_slots<const V: usize, const P: usize>(vertices: [u32; V], pattern: &BlockPattern) -> [u32; P] {
+    let mut pairs = (1..V).flat_map(|i| (0..i).map(move |j| (vertices[i], vertices[j])));
+    core::array::from_fn(|_| {
+        let (i, j) = pairs.next().expect("P is the number of pairs");
+        pattern.slot(i.max(j), i.min(j)).expect("the pattern is made of the elements")
+    })
 }

@@ -1,7 +1,7 @@
 //! Pins, exactly: a pinned vertex is no unknown.
 
 use super::pattern::Crossing;
-use super::{BlockEll, BlockPattern};
+use super::{BlockCsr, BlockPattern};
 use crate::physics::math::{M3, Padded, Scalar};
 
 /// Which vertices are pinned, and what in the matrix couples them.
@@ -10,8 +10,6 @@ pub struct Constraints {
     pinned: Vec<bool>,
     rows: Vec<u32>,
     couplings: Vec<Crossing>,
-    /// Likewise of the far pairs, by entry.
-    far_couplings: Vec<Crossing>,
 }
 
 impl Constraints {
@@ -24,7 +22,6 @@ impl Constraints {
         self.pinned.extend_from_slice(pinned);
         self.rows.clear();
         self.couplings.clear();
-        self.far_couplings.clear();
         for row in 0..pinned.len() {
             if pinned[row] {
                 self.rows.push(row as u32);
@@ -35,19 +32,13 @@ impl Constraints {
                     self.couplings.push(Crossing { column, row: row as u32, slot: slot as u32 });
                 }
             }
-            for entry in pattern.far().row(row) {
-                let column = pattern.far().column(entry);
-                if pinned[row] || pinned[column as usize] {
-                    self.far_couplings.push(Crossing { column, row: row as u32, slot: entry as u32 });
-                }
-            }
         }
     }
 
     /// Turns `A d = b` into the system of the free vertices, with `d` given at the pinned ones: their columns move to the
     /// right-hand side, their rows become `I d = prescribed`. The matrix stays symmetric positive definite, so every solver
     /// and preconditioner works on it unchanged, and the answer at a pin is the prescribed one to the last bit.
-    pub fn apply<T: Scalar>(&self, a: &mut BlockEll<T>, b: &mut [Padded<T>], prescribed: impl Fn(usize) -> Padded<T>) {
+    pub fn apply<T: Scalar>(&self, a: &mut BlockCsr<T>, b: &mut [Padded<T>], prescribed: impl Fn(usize) -> Padded<T>) {
         for &Crossing { column, row, slot } in &self.couplings {
             let (row, column) = (row as usize, column as usize);
             let block = a.block(slot as usize);
@@ -56,15 +47,6 @@ impl Constraints {
                 b[row] -= block.times(prescribed(column));
             } else if !self.pinned[column] {
                 b[column] -= block.transposed_times(prescribed(row));
-            }
-        }
-        for &Crossing { column, row, slot } in &self.far_couplings {
-            let weight = core::mem::replace(&mut a.far_mut()[slot as usize], T::zero());
-            let row = row as usize;
-            if !self.pinned[row] {
-                // Of w (d_column − d_row), what the row itself has goes to the diagonal.
-                a.set_diagonal(row, a.diagonal(row).add_diagonal(-weight));
-                b[row] -= prescribed(column as usize) * weight;
             }
         }
         for row in self.rows.iter().map(|&row| row as usize) {
@@ -77,7 +59,7 @@ impl Constraints {
 
 /// [`Constraints::apply`], once.
 pub fn constrain<T: Scalar>(
-    a: &mut BlockEll<T>,
+    a: &mut BlockCsr<T>,
     b: &mut [Padded<T>],
     pinned: &[bool],
     prescribed: impl Fn(usize) -> Padded<T>,

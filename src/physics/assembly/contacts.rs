@@ -2,7 +2,7 @@
 
 use bevy::math::{DMat3, DVec3};
 
-use super::{BlockEll, ImplicitStep};
+use super::{BlockCsr, ImplicitStep};
 use crate::physics::math::{M3, Padded, Scalar};
 
 /// A force that falls linearly as a point of the cloth moves.
@@ -19,7 +19,7 @@ pub struct ContactTerm {
 }
 
 /// Adds a term to A and b. Neither may be constrained or interleaved yet; the vertices must be coupled in the pattern.
-pub(super) fn add<T: Scalar>(a: &mut BlockEll<T>, b: &mut [Padded<T>], step: &ImplicitStep, term: &ContactTerm) {
+pub(super) fn add<T: Scalar>(a: &mut BlockCsr<T>, b: &mut [Padded<T>], step: &ImplicitStep, term: &ContactTerm) {
     let square = step.gamma * step.gamma;
     // The solution is relative to the drift, which A does feel here.
     let force = square * (term.force - term.stiffness * step.drift);

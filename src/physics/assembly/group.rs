@@ -17,18 +17,6 @@ impl<T: Scalar> Group<T> {
         Self([T::zero(); ENTRIES * ROWS])
     }
 
-    /// Multiples of the identity: `scale` times these.
-    #[inline(always)]
-    pub fn scaled_identities(factors: &[T; ROWS], scale: T) -> Self {
-        let mut group = Self::zero();
-        for (block, &factor) in group.0.chunks_exact_mut(ENTRIES).zip(factors) {
-            for entry in [0, 4, 8] {
-                block[entry] = factor * scale;
-            }
-        }
-        group
-    }
-
     /// One of the blocks.
     #[inline(always)]
     pub fn block(&self, lane: usize) -> M3<T> {
@@ -175,8 +163,6 @@ mod tests {
             other.set_block(lane, block(1));
         }
         f32::dispatch(Sums(&mut group, &other));
-        let factors = core::array::from_fn(|lane| lane as f32);
-        assert_eq!(Group::scaled_identities(&factors, 3.0).block(2), M3::scaled_identity(6.0));
         for lane in 0..ROWS {
             assert_eq!(group.block(lane), block(lane) + block(1));
         }

@@ -2,22 +2,23 @@
 
 use super::BlockPattern;
 use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
-use super::implicit_step::{Linearisation, Places};
+use super::implicit_step::Linearisation;
 use super::mid_edges::{self, MidEdges, Phi, turned};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::hinge::{self, Edges, Rest};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar};
+use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, RowKernel, Scalar, V3};
 use crate::physics::mesh::{BendingModel, Hinge, RestShape};
 
 /// All hinges, in batches.
 pub(super) struct Hinges<T> {
-    batches: Batches<4>,
+    batches: Batches<4, 6>,
     rest: Vec<Rest<Pack<T>>>,
     /// Which hinge of the rest shape stands at each place.
     sources: Vec<u32>,
-    /// By place: c₁, c₂ and c₃ of the flat hinge, see [`hinge::flat_gradient`]. The sum of all four is zero.
-    flat_gradients: Vec<[T; 3]>,
+    /// By batch: a bit for each pair of vertices (i, j) of each hinge, set if i is the row of its block below the diagonal, and
+    /// not j.
+    rows_first: Vec<[u8; ROWS]>,
     /// Where the moments come from, if not from each hinge alone.
     mid_edges: Option<MidEdges<T>>,
 }
@@ -35,6 +36,12 @@ impl<T: Scalar> Hinges<T> {
     pub fn new(shape: &RestShape, fabric: &Fabric, inner: &[u32], rank: &[u32], pattern: &BlockPattern) -> Self {
         let vertices: Vec<_> = shape.bending_hinges().iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
         let (batches, sources) = Batches::new(&vertices, pattern, rank);
+        let bits = |&source: &u32| {
+            let Some(vertices) = vertices.get(source as usize) else { return 0 };
+            PAIRS.iter().enumerate().map(|(pair, &[i, j])| u8::from(vertices[i] > vertices[j]) << pair).sum()
+        };
+        let rows_first =
+            sources.chunks_exact(ROWS).map(|batch| core::array::from_fn(|lane| bits(&batch[lane]))).collect();
         let own = batches.parts().iter().map(PartBatches::own);
         let mid_edges = match shape.bending {
             BendingModel::MidEdge => Some(MidEdges::new(shape, inner, own, &sources)),
@@ -44,8 +51,7 @@ impl<T: Scalar> Hinges<T> {
         // A filler has no stiffness, so no energy, force or Hessian.
         let filler = Rest { stiffness: zero, rest_angle: zero, normal_floor: Pack([T::from_f64(1.0); ROWS]) };
         let rest = vec![filler; sources.len() / ROWS];
-        let flat_gradients = vec![[T::zero(); 3]; sources.len()];
-        let mut hinges = Self { batches, rest, sources, flat_gradients, mid_edges };
+        let mut hinges = Self { batches, rest, sources, rows_first, mid_edges };
         hinges.measure(shape, fabric);
         hinges
     }
@@ -54,8 +60,7 @@ impl<T: Scalar> Hinges<T> {
     pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric) {
         // With mid-edge normals, the stiffness comes from there.
         let alone = self.mid_edges.is_none();
-        let (sources, flat) = (self.sources.chunks_exact(ROWS), self.flat_gradients.chunks_exact_mut(ROWS));
-        for ((sources, flat), packs) in sources.zip(flat).zip(&mut self.rest) {
+        for (sources, packs) in self.sources.chunks_exact(ROWS).zip(&mut self.rest) {
             for (lane, &source) in sources.iter().enumerate().filter(|(_, source)| **source != FILLER) {
                 let hinge = &shape.hinges[source as usize];
                 let bending = if alone { fabric.bending_along(hinge.direction) } else { 0.0 };
@@ -63,8 +68,6 @@ impl<T: Scalar> Hinges<T> {
                 packs.stiffness.0[lane] = T::from_f64(rest.stiffness);
                 packs.rest_angle.0[lane] = T::from_f64(rest.rest_angle);
                 packs.normal_floor.0[lane] = T::from_f64(rest.normal_floor);
-                let [_, ends @ ..] = hinge::flat_gradient(hinge.vertices.map(|v| shape.positions[v as usize]));
-                flat[lane] = ends.map(T::from_f64);
             }
         }
         if let Some(mid_edges) = &mut self.mid_edges {
@@ -97,15 +100,21 @@ impl<T: Scalar> Hinges<T> {
             normal_floor: Lanes::load(s, normal_floor),
         }
     }
+
+    #[inline(always)]
+    fn edges<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Edges<Lanes<T, S>> {
+        let [e, a, b] = self.batches.edges(s.wide(), batch, x);
+        [V3::narrow(s, e), V3::narrow(s, a), V3::narrow(s, b)]
+    }
 }
 
 impl<T: Scalar> Hinges<T> {
-    /// Elastic energy, J.
-    pub fn total_energy(&mut self, parts: &[Part], at: Places<T>) -> f64 {
+    /// Elastic energy at `x`, J.
+    pub fn total_energy(&mut self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
         match self.mid_edges.take() {
-            None => self.total_energy_at(parts, at),
+            None => self.total_energy_at(parts, x),
             Some(mut mid_edges) => {
-                let energy = mid_edges.energy(&self.angles_at(at.local, None));
+                let energy = mid_edges.energy(&self.angles_at(x, None));
                 self.mid_edges = Some(mid_edges);
                 energy
             }
@@ -113,10 +122,10 @@ impl<T: Scalar> Hinges<T> {
     }
 
     /// The same, for those who may not change anything.
-    pub fn total_energy_at(&self, parts: &[Part], at: Places<T>) -> f64 {
+    pub fn total_energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
         match &self.mid_edges {
-            None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, at)),
-            Some(mid_edges) => mid_edges.energy_at(&self.angles_at(at.local, None)),
+            None => for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x)),
+            Some(mid_edges) => mid_edges.energy_at(&self.angles_at(x, None)),
         }
     }
 
@@ -124,36 +133,24 @@ impl<T: Scalar> Hinges<T> {
     pub fn prepare(&mut self, at: &Linearisation<T>) {
         if let Some(mut mid_edges) = self.mid_edges.take() {
             let damping = (at.rate > 0.0).then_some(at);
-            mid_edges.relax(&self.angles_at(at.places.local, damping));
+            mid_edges.relax(&self.angles_at(at.x, damping));
             self.mid_edges = Some(mid_edges);
         }
     }
 
     /// Before anything else is done at points that have nothing to do with those before.
-    pub fn settle(&mut self, at: Places<T>) {
+    pub fn settle(&mut self, x: &[Padded<f64>]) {
         if let Some(mut mid_edges) = self.mid_edges.take() {
-            mid_edges.settle(&self.angles_at(at.local, None));
+            mid_edges.settle(&self.angles_at(x, None));
             self.mid_edges = Some(mid_edges);
         }
     }
 
-    /// Says which vertices are held, and hears whether that changes the stiffness of any hinge.
-    pub fn hold(&mut self, held: &[bool]) -> bool {
-        let changed = self.mid_edges.as_mut().is_some_and(|mid_edges| mid_edges.hold(held));
-        if changed {
+    /// Says which vertices are held.
+    pub fn hold(&mut self, held: &[bool]) {
+        if self.mid_edges.as_mut().is_some_and(|mid_edges| mid_edges.hold(held)) {
             self.bound();
         }
-        changed
-    }
-
-    /// Each hinge once: its vertices, ∇θ of the flat hinge along its normal (1/m), and `∂²E/∂θ²` (N·m).
-    pub fn flat(&self) -> impl Iterator<Item = ([u32; 4], [f64; 4], f64)> {
-        let places = self.batches.parts().iter().flat_map(|part| part.own().start * ROWS..part.own().end * ROWS);
-        places.filter(|&place| self.sources[place] != FILLER).map(|place| {
-            let [c1, c2, c3] = self.flat_gradients[place].map(T::to_f64);
-            let stiffness = self.rest[place / ROWS].stiffness.0[place % ROWS].to_f64();
-            (self.batches.element(place), [-(c1 + c2 + c3), c1, c2, c3], 2.0 * stiffness)
-        })
     }
 
     /// The vertices held, as far as they matter.
@@ -173,10 +170,10 @@ impl<T: Scalar> Hinges<T> {
         }
     }
 
-    /// Angles at these places, with what damping adds to them.
-    fn angles_at(&self, local: &[Padded<T>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
+    /// Angles at `x`, with what damping adds to them.
+    fn angles_at(&self, x: &[Padded<f64>], damping: Option<&Linearisation<T>>) -> impl mid_edges::Angles<T> {
         move |part: usize, shares: &[Pack<T>], phi: &[Phi<T>], out: &mut [Phi<T>]| {
-            T::dispatch(Angles { hinges: self, part, local, damping, shares, phi, out });
+            T::dispatch(Angles { hinges: self, part, x, damping, shares, phi, out });
         }
     }
 }
@@ -184,7 +181,7 @@ impl<T: Scalar> Hinges<T> {
 struct Angles<'a, T: Scalar> {
     hinges: &'a Hinges<T>,
     part: usize,
-    local: &'a [Padded<T>],
+    x: &'a [Padded<f64>],
     damping: Option<&'a Linearisation<'a, T>>,
     shares: &'a [Pack<T>],
     phi: &'a [Phi<T>],
@@ -196,14 +193,14 @@ impl<T: Scalar> RowKernel<T> for Angles<'_, T> {
 
     #[inline(always)]
     fn run<S: Oct<T>>(self, s: S) {
-        let Self { hinges, local, damping, .. } = self;
+        let Self { hinges, x, damping, .. } = self;
         let packs = self.shares.iter().zip(self.phi).zip(self.out);
         for (batch, ((share, phi), out)) in hinges.batches.parts()[self.part].own().zip(packs) {
             let rest = hinges.rest(s, batch);
-            let edges: Edges<_> = hinges.batches.edges(s, batch, local);
+            let edges = hinges.edges(s, batch, x);
             let mut deviation = hinge::deviation(hinge::theta(edges), rest.rest_angle);
             if let Some(at) = damping {
-                let moves = hinges.batches.edges(s, batch, at.moved);
+                let moves = hinges.batches.edge_moves(s, batch, at.moved);
                 let change = hinge::gradient(edges, rest.normal_floor).change(moves);
                 deviation += change * change.splat(at.rate);
             }
@@ -212,37 +209,64 @@ impl<T: Scalar> RowKernel<T> for Angles<'_, T> {
     }
 }
 
+/// The pairs of vertices of a hinge.
+const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
+
 impl<T: Scalar> Elements<T> for Hinges<T> {
     fn batches(&self) -> &[PartBatches] {
         self.batches.parts()
     }
 
     #[inline(always)]
-    fn energy<S: Oct<T>>(&self, s: S, batch: usize, at: Places<T>) -> Lanes<T, S> {
-        hinge::energy(&self.rest(s, batch), self.batches.edges(s, batch, at.local))
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S> {
+        hinge::energy(&self.rest(s, batch), self.edges(s, batch, x))
     }
 
-    /// Forces alone: the Hessian is constant, see [`BendingHessian`](super::bending_hessian::BendingHessian).
+    /// All of the Hessian is material.
     #[inline(always)]
     fn assemble<S: Oct<T>>(&self, s: S, batch: usize, at: &Linearisation<T>, out: &mut Output<T>) {
         let rest = self.rest(s, batch);
-        let edges: Edges<_> = self.batches.edges(s, batch, at.places.local);
+        let edges = self.edges(s, batch, at.x);
         let gradient = hinge::gradient(edges, rest.normal_floor);
+        let rigidity = hinge::rigidity(&rest);
         let moment = match &self.mid_edges {
             Some(mid_edges) => Lanes::load(s, &mid_edges.moments(batch)),
             None => {
                 let elastic = hinge::moment(&rest, hinge::theta(edges));
                 if at.rate > 0.0 {
-                    let moves = self.batches.edges(s, batch, at.moved);
-                    elastic + hinge::rigidity(&rest) * elastic.splat(at.rate) * gradient.change(moves)
+                    let moves = self.batches.edge_moves(s, batch, at.moved);
+                    elastic + rigidity * rigidity.splat(at.rate) * gradient.change(moves)
                 } else {
                     elastic
                 }
             }
         };
 
-        for (vertex, gradient) in gradient.0.into_iter().enumerate() {
+        let gradient = gradient.0;
+        for (vertex, gradient) in gradient.into_iter().enumerate() {
             out.add_forces(s, self.batches.vertices(batch, vertex), gradient * -moment);
         }
+        let weight = rigidity * rigidity.splat(at.material);
+        let bits = &self.rows_first[batch];
+        for (pair, [i, j]) in PAIRS.into_iter().enumerate() {
+            let [row, column] = in_order(s, bits, pair as u32, [gradient[i], gradient[j]]);
+            out.add_blocks(s, self.batches.slots(batch, pair), &(row * weight).outer(column));
+        }
     }
+}
+
+/// The two vectors of each element where its bit is set, elsewhere the second first.
+#[inline(always)]
+fn in_order<T: Scalar, S: Oct<T>>(
+    s: S,
+    bits: &[u8; ROWS],
+    bit: u32,
+    [V3(a), V3(b)]: [V3<Lanes<T, S>>; 2],
+) -> [V3<Lanes<T, S>>; 2] {
+    let (mut first, mut second) = (a, b);
+    for c in 0..3 {
+        first[c].v = s.if_bit(bits, bit, a[c].v, b[c].v);
+        second[c].v = s.if_bit(bits, bit, b[c].v, a[c].v);
+    }
+    [V3(first), V3(second)]
 }

@@ -97,20 +97,11 @@ impl<'a> ImplicitStep<'a> {
     }
 }
 
-/// Where the vertices are, m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Places<'a, T: Scalar> {
-    /// For strains, which are small differences of large squares.
-    pub x: &'a [Padded<f64>],
-    /// Relative to one of them, for angles: at half a cloth's extent f32 still knows an edge of a hundredth of it to 1e-5.
-    pub local: &'a [Padded<T>],
-}
-
 /// What the elements need to know of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Linearisation<'a, T: Scalar> {
-    /// Where the forces are linearised.
-    pub places: Places<'a, T>,
+    /// Where the forces are linearised, m.
+    pub x: &'a [Padded<f64>],
     /// x − q up to a common translation, m: `(x − q)/γ` is the velocity that damping acts on.
     pub moved: &'a [Padded<T>],
     /// Factor of the material part of the Hessian in A, γ (γ + dp).
@@ -124,9 +115,9 @@ pub(super) struct Linearisation<'a, T: Scalar> {
 }
 
 impl<'a, T: Scalar> Linearisation<'a, T> {
-    pub fn new(step: &ImplicitStep, places: Places<'a, T>, moved: &'a [Padded<T>]) -> Self {
+    pub fn new(step: &ImplicitStep, x: &'a [Padded<f64>], moved: &'a [Padded<T>]) -> Self {
         Self {
-            places,
+            x,
             moved,
             material: step.gamma * (step.gamma + step.damping),
             geometric: step.gamma * step.gamma,

@@ -1,11 +1,9 @@
 //! Which blocks of the matrix exist, and where each is stored.
 //!
 //! Rows are worked on [`ROWS`] at a time, in [`Slice`]s: the blocks of a slice stand in groups, of one block for each row.
-//! A row with fewer blocks than the longest of its slice is filled up with zeros (Kreutzer et al. 2014, SELL-C-σ). Pairs of
-//! rows coupled by no more than a scalar have no block: see [`FarPairs`].
+//! A row with fewer blocks than the longest of its slice is filled up with zeros (Kreutzer et al. 2014, SELL-C-σ).
 
 use super::Part;
-use super::far_pairs::FarPairs;
 use crate::physics::math::ROWS;
 
 /// Sparsity pattern of a symmetric matrix of 3×3 blocks: all diagonal blocks, and of the others the lower half. One of these has
@@ -19,7 +17,8 @@ pub struct BlockPattern {
     slices: Vec<Slice>,
     /// By group.
     columns: Vec<[u32; ROWS]>,
-    far: FarPairs,
+    /// Likewise: whether row and column are neighbours.
+    near: Vec<[bool; ROWS]>,
     parts: Vec<Part>,
     incoming: Vec<Crossing>,
 }
@@ -75,8 +74,8 @@ pub enum Slicing {
 }
 
 impl BlockPattern {
-    /// The pattern that couples all vertices of each element with each other: those of `near` by a block, those of `far` by a
-    /// scalar where they have no block. `part_starts` are the first rows of the parts: 0 and any others, ascending.
+    /// The pattern that couples all vertices of each element with each other: elements of `near` make them neighbours, those
+    /// of `far` reach beyond. `part_starts` are the first rows of the parts: 0 and any others, ascending.
     ///
     /// # Panics
     /// If the elements name other vertices, or there are more than 2³² blocks.
@@ -87,24 +86,26 @@ impl BlockPattern {
         near: impl Iterator<Item = &'a [u32]>,
         far: impl Iterator<Item = &'a [u32]>,
     ) -> Self {
-        let mut rows: Vec<Vec<u32>> = vec![Vec::new(); vertex_count];
-        for element in near {
+        let mut rows: Vec<Vec<(u32, bool)>> = vec![Vec::new(); vertex_count];
+        let elements = near.map(|element| (element, false)).chain(far.map(|element| (element, true)));
+        for (element, far) in elements {
             for &row in element {
-                rows[row as usize].extend(element.iter().filter(|&&column| column < row));
+                let left = element.iter().filter(|&&column| column < row);
+                rows[row as usize].extend(left.map(|&column| (column, far)));
             }
         }
         for row in &mut rows {
             row.sort_unstable();
-            row.dedup();
+            // Where both are to be had, the near one comes first and stays.
+            row.dedup_by_key(|(column, _)| *column);
         }
-        let has_block = |row: u32, column: u32| rows[row as usize].binary_search(&column).is_ok();
 
         let mut pattern = Self {
             rows: Vec::with_capacity(vertex_count),
             diagonals: Vec::with_capacity(vertex_count),
             slices: Vec::new(),
             columns: Vec::new(),
-            far: FarPairs::new(vertex_count, far, has_block),
+            near: Vec::new(),
             parts: Vec::new(),
             incoming: Vec::new(),
         };
@@ -113,7 +114,7 @@ impl BlockPattern {
             let (slices, groups) = (pattern.slices.len(), pattern.columns.len());
             let mut first = start;
             while first < end {
-                let coupled = |&row: &u32| rows[row as usize].last().is_some_and(|&column| column >= first);
+                let coupled = |&row: &u32| rows[row as usize].last().is_some_and(|&(column, _)| column >= first);
                 let most = (end - first).min(ROWS as u32);
                 let count = match slicing {
                     Slicing::Any => most,
@@ -133,24 +134,27 @@ impl BlockPattern {
         assert!(u32::try_from(ROWS * pattern.columns.len()).is_ok(), "fewer than 2³² blocks");
         pattern.slices.shrink_to_fit();
         pattern.columns.shrink_to_fit();
+        pattern.near.shrink_to_fit();
         pattern.find_incoming();
         pattern
     }
 
     /// Adds a slice of these rows, of the part that begins at `part_start`.
-    fn push_slice(&mut self, part_start: u32, first_row: u32, rows: &[Vec<u32>]) {
-        let crossing = |row: &Vec<u32>| row.partition_point(|&column| column < part_start);
+    fn push_slice(&mut self, part_start: u32, first_row: u32, rows: &[Vec<(u32, bool)>]) {
+        let crossing = |row: &Vec<(u32, bool)>| row.partition_point(|&(column, _)| column < part_start);
         let crossing_groups = rows.iter().map(crossing).max().unwrap_or(0);
         let inner_groups = rows.iter().map(|row| row.len() - crossing(row)).max().unwrap_or(0);
         let first_crossing = self.columns.len();
         let inner = first_crossing + crossing_groups;
         let end = inner + inner_groups;
         self.columns.resize(end, [NONE; ROWS]);
+        self.near.resize(end, [false; ROWS]);
         for (lane, row) in rows.iter().enumerate() {
             let crossing = crossing(row);
             let groups = (first_crossing..).take(crossing).chain(inner..);
-            for (group, &column) in groups.zip(row) {
+            for (group, &(column, far)) in groups.zip(row) {
                 self.columns[group][lane] = column;
+                self.near[group][lane] = !far;
             }
             self.diagonals.push((ROWS * self.slices.len() + lane) as u32);
             self.rows.push(Row {
@@ -236,10 +240,9 @@ impl BlockPattern {
         self.diagonals[row] as usize
     }
 
-    /// The pairs of rows that a scalar couples.
-    #[inline(always)]
-    pub fn far(&self) -> &FarPairs {
-        &self.far
+    /// Columns of a row, left of the diagonal, that are neighbours of it.
+    pub fn near(&self, row: usize) -> impl Iterator<Item = u32> {
+        self.row(row).filter(|slot| self.near[slot / ROWS][slot % ROWS]).map(|slot| self.column(slot))
     }
 
     /// The slices, in order.
@@ -319,14 +322,14 @@ mod tests {
     fn pattern_couples_the_vertices_of_each_element() {
         let pattern = pattern(5, &[0], Slicing::Any);
         let rows: Vec<_> = (0..5).map(|row| columns(&pattern, row)).collect();
-        assert_eq!(rows, [&[][..], &[0], &[0, 1], &[1, 2], &[]]);
-        assert_eq!((pattern.slot(3, 4), pattern.slot(2, 2), pattern.slot(3, 0)), (None, None, None));
+        assert_eq!(rows, [&[][..], &[0], &[0, 1], &[0, 1, 2], &[]]);
+        assert_eq!((pattern.slot(3, 4), pattern.slot(2, 2)), (None, None));
         assert_eq!(pattern.slot(3, 2).map(|slot| pattern.column(slot as usize)), Some(2));
-        assert_eq!(pattern.far().row(3).map(|entry| pattern.far().column(entry)).collect::<Vec<_>>(), [0]);
+        assert_eq!(pattern.near(3).collect::<Vec<_>>(), [1, 2]);
         // One slice, of as many groups as the longest row has blocks.
-        assert_eq!(pattern.slices(), [Slice { first_row: 0, rows: 5, crossing: 0, inner: 0, end: 2 }]);
+        assert_eq!(pattern.slices(), [Slice { first_row: 0, rows: 5, crossing: 0, inner: 0, end: 3 }]);
         // Where there is no block stands the column of one that there is.
-        assert_eq!(pattern.columns(1), &[1, 1, 1, 2, 1, 1, 1, 1]);
+        assert_eq!(pattern.columns(2), &[2; ROWS]);
     }
 
     #[test]
@@ -352,12 +355,12 @@ mod tests {
         let pattern = pattern(5, &[0, 2], Slicing::Any);
         let rows: Vec<_> = pattern.parts().iter().map(|part| part.rows.clone()).collect();
         assert_eq!(rows, [0..2, 2..5]);
-        assert_eq!((columns(&pattern, 2), columns(&pattern, 3)), (vec![0, 1], vec![1, 2]));
+        assert_eq!((columns(&pattern, 2), columns(&pattern, 3)), (vec![0, 1], vec![0, 1, 2]));
         let slice = pattern.slices()[1];
         assert_eq!((slice.inner - slice.crossing, slice.end - slice.inner), (2, 1));
         let incoming: Vec<_> = pattern.incoming().iter().map(|c| (c.column, c.row)).collect();
-        assert_eq!(incoming, [(0, 2), (1, 3), (1, 2)]);
-        assert_eq!([&pattern.parts()[0].incoming, &pattern.parts()[1].incoming], [&(0..3), &(3..3)]);
+        assert_eq!(incoming, [(0, 2), (0, 3), (1, 2), (1, 3)]);
+        assert_eq!([&pattern.parts()[0].incoming, &pattern.parts()[1].incoming], [&(0..4), &(4..4)]);
         assert!(pattern.incoming().iter().all(|c| pattern.slot(c.row, c.column) == Some(c.slot)));
     }
 }

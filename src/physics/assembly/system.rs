@@ -5,18 +5,17 @@ use std::sync::Arc;
 use bevy::math::DVec3;
 
 use super::batch::{self, Output};
-use super::bending_hessian::BendingHessian;
 use super::contacts;
 use super::hinges::Hinges;
-use super::implicit_step::{ImplicitStep, Linearisation, Places};
+use super::implicit_step::{ImplicitStep, Linearisation};
 use super::ordering::along;
 use super::parts::{ByGroup, BySlice, Part, for_parts};
 use super::row_sums::SubtractRows;
 use super::triangles::Triangles;
-use super::{BlockEll, BlockPattern, Group, Ordering, Slicing};
+use super::{BlockCsr, BlockPattern, Group, Ordering, Slicing};
 use crate::physics::energy::gravity;
 use crate::physics::material::Fabric;
-use crate::physics::math::{M3, Pack, Padded, ROWS, Scalar};
+use crate::physics::math::{M3, Padded, ROWS, Scalar};
 use crate::physics::mesh::RestShape;
 
 /// Elastic energy by term, J.
@@ -39,17 +38,12 @@ impl ElasticEnergy {
 pub struct System<T: Scalar> {
     triangles: Triangles<T>,
     hinges: Hinges<T>,
-    bending: BendingHessian<T>,
     /// x, where the cloth is to be linearised or measured, m.
     points: Vec<Padded<f64>>,
-    /// x relative to `middle`, see [`Places`], m.
-    local: Vec<Padded<T>>,
-    /// A vertex in the middle of the longest way through the cloth.
-    middle: usize,
     /// x − q, see [`Linearisation`].
     moved: Vec<Padded<T>>,
     /// A.
-    pub matrix: BlockEll<T>,
+    pub matrix: BlockCsr<T>,
     /// b, kg·m.
     pub rhs: Vec<Padded<T>>,
 }
@@ -61,8 +55,7 @@ impl<T: Scalar> System<T> {
         let triangles: Vec<_> = shape.triangles.iter().map(|t| t.vertices.map(|v| inner[v as usize])).collect();
         let hinges: Vec<_> = shape.bending_hinges().iter().map(|h| h.vertices.map(|v| inner[v as usize])).collect();
         let mut rank = vec![0; shape.vertex_count()];
-        let along = along(&shape.positions);
-        for (place, &vertex) in along.iter().enumerate() {
+        for (place, vertex) in along(&shape.positions).into_iter().enumerate() {
             rank[inner[vertex as usize] as usize] = place as u32;
         }
         let pattern = BlockPattern::new(
@@ -73,16 +66,12 @@ impl<T: Scalar> System<T> {
             hinges.iter().map(|vertices| &vertices[..]),
         );
         let zeros = vec![Padded::zero(); shape.vertex_count()];
-        let hinges = Hinges::new(shape, fabric, inner, &rank, &pattern);
         Self {
             triangles: Triangles::new(shape, fabric, inner, &rank, &pattern),
-            bending: BendingHessian::new(&hinges, &pattern),
-            hinges,
+            hinges: Hinges::new(shape, fabric, inner, &rank, &pattern),
             points: vec![Padded::zero(); shape.vertex_count()],
-            local: zeros.clone(),
-            middle: along.get(along.len() / 2).map_or(0, |&vertex| inner[vertex as usize] as usize),
             moved: zeros.clone(),
-            matrix: BlockEll::zero(Arc::new(pattern)),
+            matrix: BlockCsr::zero(Arc::new(pattern)),
             rhs: zeros,
         }
     }
@@ -90,18 +79,13 @@ impl<T: Scalar> System<T> {
     /// Changes the material.
     pub fn set_fabric(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.triangles.set_fabric(fabric);
-        self.measure_hinges(shape, fabric);
+        self.hinges.measure(shape, fabric);
     }
 
     /// Takes over a shape of the same elements that measure otherwise.
     pub fn measure(&mut self, shape: &RestShape, fabric: &Fabric, ordering: &Ordering) {
         self.triangles.measure(shape, &ordering.inner);
-        self.measure_hinges(shape, fabric);
-    }
-
-    fn measure_hinges(&mut self, shape: &RestShape, fabric: &Fabric) {
         self.hinges.measure(shape, fabric);
-        self.bending.measure(&self.hinges, self.matrix.pattern());
     }
 
     /// Says that the cloth was mirrored.
@@ -111,38 +95,34 @@ impl<T: Scalar> System<T> {
 
     /// Elastic energy at `x`.
     pub fn energy(&mut self, x: &[DVec3]) -> ElasticEnergy {
-        self.place(x);
-        let Self { triangles, hinges, points, local, matrix, .. } = self;
-        let (parts, at) = (matrix.pattern().parts(), Places { x: points, local });
-        ElasticEnergy { membrane: triangles.energy_at(parts, at), bending: hinges.total_energy(parts, at) }
+        let parts = self.matrix.pattern().parts();
+        for_parts(parts, &mut self.points[..], &|part: &Part, points| pad(&x[part.rows.clone()], points));
+        let Self { triangles, hinges, points, matrix, .. } = self;
+        let parts = matrix.pattern().parts();
+        ElasticEnergy { membrane: triangles.energy_at(parts, points), bending: hinges.total_energy(parts, points) }
     }
 
     /// The same, for those who may not change anything.
     pub fn energy_at(&self, x: &[DVec3]) -> ElasticEnergy {
-        let (mut points, mut local) = (self.points.clone(), self.local.clone());
+        let mut points = vec![Padded::zero(); x.len()];
+        pad(x, &mut points);
         let parts = self.matrix.pattern().parts();
-        place(parts, x, self.middle, &mut points, &mut local);
-        let at = Places { x: &points, local: &local };
-        ElasticEnergy { membrane: self.triangles.energy_at(parts, at), bending: self.hinges.total_energy_at(parts, at) }
-    }
-
-    /// Brings the vertices to `x`.
-    fn place(&mut self, x: &[DVec3]) {
-        place(self.matrix.pattern().parts(), x, self.middle, &mut self.points, &mut self.local);
+        ElasticEnergy {
+            membrane: self.triangles.energy_at(parts, &points),
+            bending: self.hinges.total_energy_at(parts, &points),
+        }
     }
 
     /// Says which vertices are held, so that what is clamped does not bend. (That they do not move is said by
     /// [`Constraints`](super::Constraints).)
     pub fn hold(&mut self, held: &[bool]) {
-        if self.hinges.hold(held) {
-            self.bending.measure(&self.hinges, self.matrix.pattern());
-        }
+        self.hinges.hold(held);
     }
 
     /// Says that the cloth is at `x` now, whatever was before.
     pub fn settle(&mut self, x: &[DVec3]) {
-        self.place(x);
-        self.hinges.settle(Places { x: &self.points, local: &self.local });
+        pad(x, &mut self.points);
+        self.hinges.settle(&self.points);
     }
 
     /// The vertices that [`hold`](Self::hold) was last told; empty if what is clamped bends as all else.
@@ -162,33 +142,27 @@ impl<T: Scalar> System<T> {
 
     /// Fills A and b.
     pub fn assemble(&mut self, step: &ImplicitStep, masses: &[f64]) {
-        self.place(step.x);
-        let Self { triangles, hinges, bending, points, local, middle, moved, matrix, rhs } = self;
+        let Self { triangles, hinges, points, moved, matrix, rhs } = self;
         let pattern = Arc::clone(matrix.pattern());
-        if step.damping > 0.0 {
-            // Relative to one vertex, as f32 has few digits and only differences count.
-            let common = step.x[*middle] - step.origin[*middle];
-            for_parts(pattern.parts(), &mut moved[..], &|part: &Part, moved| {
+        // Relative to the first vertex, as f32 has few digits and only differences count.
+        let common = step.x[0] - step.origin[0];
+        for_parts(pattern.parts(), (&mut points[..], &mut moved[..]), &|part: &Part, (points, moved)| {
+            pad(&step.x[part.rows.clone()], points);
+            if step.damping > 0.0 {
                 for (moved, vertex) in moved.iter_mut().zip(part.rows.clone()) {
                     *moved = Padded::from_f64((step.x[vertex] - step.origin[vertex] - common).to_array());
                 }
-            });
-        }
-        let linearisation = Linearisation::new(step, Places { x: points, local }, moved);
+            }
+        });
+        let linearisation = Linearisation::new(step, points, moved);
         hinges.prepare(&linearisation);
-        let material = T::from_f64(linearisation.material);
-        for (far, &weight) in matrix.far_mut().iter_mut().zip(&bending.far) {
-            *far = weight * material;
-        }
         let (diagonal, lower) = matrix.clear();
         for_parts(
             pattern.parts(),
             (diagonal, lower, &mut rhs[..]),
             &|part: &Part, (BySlice(diagonal), ByGroup(lower), rhs)| {
                 diagonal.fill(Group::zero());
-                for (group, Pack(factors)) in lower.iter_mut().zip(&bending.near[part.groups.clone()]) {
-                    *group = Group::scaled_identities(factors, material);
-                }
+                lower.fill(Group::zero());
                 // Forces first, then b.
                 rhs.fill(Padded::zero());
                 let mut out = Output::new(part, lower, rhs);
@@ -213,15 +187,10 @@ impl<T: Scalar> System<T> {
     }
 }
 
-/// Writes [`Places`].
-fn place<T: Scalar>(parts: &[Part], x: &[DVec3], middle: usize, points: &mut [Padded<f64>], local: &mut [Padded<T>]) {
-    let middle = x.get(middle).copied().unwrap_or_default();
-    for_parts(parts, (points, local), &|part: &Part, (points, local)| {
-        for ((point, local), x) in points.iter_mut().zip(local).zip(&x[part.rows.clone()]) {
-            *point = Padded::new(x.to_array());
-            *local = Padded::from_f64((*x - middle).to_array());
-        }
-    });
+fn pad(x: &[DVec3], points: &mut [Padded<f64>]) {
+    for (point, x) in points.iter_mut().zip(x) {
+        *point = Padded::new(x.to_array());
+    }
 }
 
 /// What a vertex of this mass, with this elastic force on it, adds to the diagonal of A, and has as b.

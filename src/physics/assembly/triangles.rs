@@ -1,18 +1,17 @@
 //! The membrane elements of a cloth.
 
 use super::BlockPattern;
-use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches, Slots};
-use super::implicit_step::{Linearisation, Places, Projection};
+use super::batch::{self, Batches, Elements, FILLER, Output, PartBatches};
+use super::implicit_step::{Linearisation, Projection};
 use super::parts::{Part, for_parts};
 use crate::physics::energy::membrane::{self, Gram, Orthotropic, Rest, Strain};
 use crate::physics::material::Fabric;
-use crate::physics::math::{Lanes, Oct, Pack, ROWS, Real, Scalar, V3};
+use crate::physics::math::{Lanes, Oct, Pack, Padded, ROWS, Real, Scalar, V3};
 use crate::physics::mesh::{RestShape, Triangle};
 
 /// All triangles, in batches, the vertices of each in ascending order.
 pub(super) struct Triangles<T> {
-    batches: Batches<3>,
-    slots: Slots<3>,
+    batches: Batches<3, 3>,
     /// Which triangle of the rest shape stands at each place.
     sources: Vec<u32>,
     rest: Vec<Rest<Pack<T>>>,
@@ -37,7 +36,6 @@ impl<T: Scalar> Triangles<T> {
         let zero = Pack([T::zero(); ROWS]);
         let count = sources.len() / ROWS;
         let mut triangles = Self {
-            slots: Slots::new(&batches, pattern),
             batches,
             sources,
             // A filler has no area, so no energy, force or Hessian.
@@ -73,8 +71,8 @@ impl<T: Scalar> Triangles<T> {
     }
 
     /// Elastic energy at `x`, J.
-    pub fn energy_at(&self, parts: &[Part], at: Places<T>) -> f64 {
-        for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, at))
+    pub fn energy_at(&self, parts: &[Part], x: &[Padded<f64>]) -> f64 {
+        for_parts(parts, (), &|part: &Part, ()| batch::energy(self, part.index, x))
     }
 
     /// Rest state of a batch.
@@ -114,9 +112,9 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
     }
 
     #[inline(always)]
-    fn energy<S: Oct<T>>(&self, s: S, batch: usize, at: Places<T>) -> Lanes<T, S> {
+    fn energy<S: Oct<T>>(&self, s: S, batch: usize, x: &[Padded<f64>]) -> Lanes<T, S> {
         let rest = self.rest(s, batch);
-        let strain = self.strain(s, batch, &rest, self.batches.edges(s.wide(), batch, at.x));
+        let strain = self.strain(s, batch, &rest, self.batches.edges(s.wide(), batch, x));
         membrane::energy(&rest, &self.constants(rest.area), &strain)
     }
 
@@ -125,7 +123,7 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
         let rest = self.rest(s, batch);
         let k = self.constants(rest.area);
         let (material, geometric) = (rest.area.splat(at.material), rest.area.splat(at.geometric));
-        let [e1, e2] = self.batches.edges(s.wide(), batch, at.places.x);
+        let [e1, e2] = self.batches.edges(s.wide(), batch, at.x);
         let strain = self.strain(s, batch, &rest, [e1, e2]);
         let w = rest.deformation([V3::narrow(s, e1), V3::narrow(s, e2)]);
         let stress = k.stress(&strain);
@@ -135,7 +133,7 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
         };
         let mut total = stress;
         if at.rate > 0.0 {
-            let moved = rest.deformation(self.batches.edges(s, batch, at.moved));
+            let moved = rest.deformation(self.batches.edge_moves(s, batch, at.moved));
             total = total + k.stress(&w.strain_rate(&moved)) * rest.area.splat(at.rate);
         }
 
@@ -145,7 +143,7 @@ impl<T: Scalar> Elements<T> for Triangles<T> {
         out.add_forces(s, self.batches.vertices(batch, 2), -g2);
         let hessian = membrane::hessian(&rest, &k, &projected, &w, material, geometric);
         for (pair, block) in hessian.lower_blocks().iter().enumerate() {
-            out.add_blocks(s, self.slots.of_pair(batch, pair), block);
+            out.add_blocks(s, self.batches.slots(batch, pair), block);
         }
     }
 }

@@ -11,8 +11,7 @@
 //! Gradient. `2 k_b ‖ē‖/h̄ (θ − θ̄) ∇θ` with `∇₂θ = −‖e‖ n1/‖n1‖²`, `∇₃θ = −‖e‖ n2/‖n2‖²`; the ends of the edge take the
 //! opposite, shared by where the foot of each height falls on the edge.
 //!
-//! Hessian. Gauss–Newton, `2 k_b ‖ē‖/h̄ ∇θ ∇θᵀ`: positive semi-definite, without the term of the curvature of θ. Linear systems have a
-//! constant matrix above it, of [`flat_gradient`].
+//! Hessian. Gauss–Newton, `2 k_b ‖ē‖/h̄ ∇θ ∇θᵀ`: positive semi-definite, without the term of the curvature of θ.
 
 use bevy::math::DVec3;
 
@@ -79,16 +78,6 @@ pub fn gradient<T: Real>([e, a, b]: Edges<T>, normal_floor: T) -> Gradient<T> {
     let g0 = -(g2 * (one - t2) + g3 * (one - t3));
     let g1 = -(g2 * t2 + g3 * t3);
     Gradient([g0, g1, g2, g3])
-}
-
-/// ∇θ of the same hinge laid flat, along its normal, 1/m: `c₂ = −1/h₂` and `c₃ = −1/h₃` for heights h, and what the ends of the
-/// edge take by where the feet of the heights fall.
-pub fn flat_gradient(x: [DVec3; 4]) -> [f64; 4] {
-    let edge = x[1] - x[0];
-    let sides = [x[2] - x[0], x[3] - x[0]];
-    let [c2, c3] = sides.map(|side| -edge.length() / edge.cross(side).length());
-    let [t2, t3] = sides.map(|side| side.dot(edge) / edge.length_squared());
-    [-(c2 * (1.0 - t2) + c3 * (1.0 - t3)), -(c2 * t2 + c3 * t3), c2, c3]
 }
 
 /// θ − θ̄, brought into [−π, π]: a fold passing through π is not a jump.

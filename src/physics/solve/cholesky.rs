@@ -13,7 +13,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::{LinearSolver, SolveError, Solved, Target};
-use crate::physics::assembly::{BlockEll, BlockPattern};
+use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{Padded, ROWS, Scalar};
 
 /// Supernodal Cholesky with approximate-minimum-degree ordering, always in f64. The symbolic analysis is made once per
@@ -23,7 +23,7 @@ pub struct Cholesky(Option<Factor>);
 struct Factor {
     lower: SymbolicSparseColMat<u32>,
     /// Where each entry of the lower triangle comes from: block · 9 + row · 3 + column within the block, blocks being those
-    /// of the diagonal, by row, and then the others, by slot; after all of these the scalars of far pairs, by entry.
+    /// of the diagonal, by row, and then the others, by slot.
     sources: Vec<u32>,
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
@@ -40,14 +40,9 @@ impl Cholesky {
     }
 }
 
-/// The first number of a scalar: after the entries of all blocks.
-fn first_scalar(rows: usize, groups: usize) -> usize {
-    9 * (rows + ROWS * groups)
-}
-
-/// Whether all entries of the blocks and all scalars have numbers.
-fn has_numbers(rows: usize, groups: usize, scalars: usize) -> bool {
-    u32::try_from(first_scalar(rows, groups) + scalars).is_ok()
+/// Whether all entries of the blocks have numbers.
+fn has_numbers(rows: usize, groups: usize) -> bool {
+    u32::try_from(9 * (rows + ROWS * groups)).is_ok()
 }
 
 /// Zeros, if there is memory for them.
@@ -60,7 +55,7 @@ fn zeros(count: usize) -> Option<Vec<f64>> {
 
 impl Factor {
     fn new(pattern: &BlockPattern) -> Option<Self> {
-        if !has_numbers(pattern.row_count(), pattern.group_count(), pattern.far().entry_count()) {
+        if !has_numbers(pattern.row_count(), pattern.group_count()) {
             return None;
         }
         let (lower, sources) = scalar_lower_triangle(pattern);
@@ -88,7 +83,7 @@ impl Factor {
 impl<T: Scalar> LinearSolver<T> for Cholesky {
     fn solve(
         &mut self,
-        a: &mut BlockEll<T>,
+        a: &mut BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         _: Target,
@@ -96,19 +91,10 @@ impl<T: Scalar> LinearSolver<T> for Cholesky {
         let start = Instant::now();
         let Factor { lower, sources, symbolic, values, factor, solution, memory } =
             self.0.as_mut().ok_or(SolveError::TooLarge)?;
-        let far = a.pattern().far();
-        let first_scalar = first_scalar(b.len(), a.pattern().group_count());
         for (value, &source) in values.iter_mut().zip(&*sources) {
             let (block, row, column) = (source as usize / 9, source as usize / 3 % 3, source as usize % 3);
-            *value = if source as usize >= first_scalar {
-                a.far()[source as usize - first_scalar].to_f64()
-            } else if block >= b.len() {
-                a.block(block - b.len()).0[row][column].to_f64()
-            } else {
-                let scalars: f64 =
-                    if row == column { a.far()[far.row(block)].iter().map(|w| w.to_f64()).sum() } else { 0.0 };
-                a.diagonal(block).0[row][column].to_f64() - scalars
-            };
+            let block = if block < b.len() { a.diagonal(block) } else { a.block(block - b.len()) };
+            *value = block.0[row][column].to_f64();
         }
         for (entries, b) in solution.chunks_exact_mut(3).zip(b) {
             entries.copy_from_slice(&b.to_f64());
@@ -151,21 +137,18 @@ fn scalar_lower_triangle(pattern: &BlockPattern) -> (SymbolicSparseColMat<u32>, 
             below[pattern.column(slot) as usize].push([row, pattern.row_count() + slot]);
         }
     }
-    let (far, first_scalar) = (pattern.far(), first_scalar(pattern.row_count(), pattern.group_count()));
     let size = 3 * pattern.row_count();
     let (mut starts, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
-    for (diagonal, below) in below.iter().enumerate() {
+    for (diagonal, below) in below.into_iter().enumerate() {
         for column in 0..3 {
-            let block = |[block_row, block]: [usize; 2], first: usize| {
-                (first..3).map(move |row| (3 * block_row + row, 9 * block + 3 * row + column))
+            let mut push = |block_row: usize, block: usize, row: usize| {
+                rows.push((3 * block_row + row) as u32);
+                sources.push((9 * block + 3 * row + column) as u32);
             };
-            let scalars = far.row(diagonal).filter(|&entry| far.column(entry) as usize > diagonal);
-            let mut entries: Vec<_> = below.iter().flat_map(|&at| block(at, 0)).collect();
-            entries.extend(block([diagonal; 2], column));
-            entries.extend(scalars.map(|entry| (3 * far.column(entry) as usize + column, first_scalar + entry)));
-            entries.sort_unstable();
-            rows.extend(entries.iter().map(|&(row, _)| row as u32));
-            sources.extend(entries.iter().map(|&(_, source)| source as u32));
+            (column..3).for_each(|row| push(diagonal, diagonal, row));
+            for &[block_row, block] in &below {
+                (0..3).for_each(|row| push(block_row, block, row));
+            }
             starts.push(rows.len() as u32);
         }
     }
@@ -179,10 +162,10 @@ mod tests {
 
     #[test]
     fn what_is_too_large_is_an_error() {
-        assert!(has_numbers(1_000_000, 1_000_000, 6_000_000) && !has_numbers(1_000_000, 60_000_000, 0));
+        assert!(has_numbers(1_000_000, 1_000_000) && !has_numbers(1_000_000, 60_000_000));
         assert!(zeros(usize::MAX / 4).is_none());
         let pattern = BlockPattern::new(1, &[0], Slicing::Any, core::iter::empty(), core::iter::empty());
-        let mut a = BlockEll::<f64>::zero(Arc::new(pattern));
+        let mut a = BlockCsr::<f64>::zero(Arc::new(pattern));
         let (b, mut d) = ([Padded::zero()], [Padded::zero()]);
         let target = Target { absolute: 0.0, relative: 0.0 };
         assert_eq!(Cholesky(None).solve(&mut a, &b, &mut d, target), Err(SolveError::TooLarge));

@@ -3,7 +3,7 @@
 use bevy::platform::time::Instant;
 
 use super::{BlockJacobi, LinearSolver, Preconditioner, SolveError, Solved, Target};
-use crate::physics::assembly::BlockEll;
+use crate::physics::assembly::BlockCsr;
 use crate::physics::assembly::parts::{Part, for_parts};
 use crate::physics::math::{Padded, Scalar};
 
@@ -37,7 +37,7 @@ impl<T: Scalar, P: Preconditioner<T>> ConjugateGradient<T, P> {
 impl<T: Scalar, P: Preconditioner<T>> LinearSolver<T> for ConjugateGradient<T, P> {
     fn solve(
         &mut self,
-        a: &mut BlockEll<T>,
+        a: &mut BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         target: Target,
@@ -87,7 +87,7 @@ struct Vectors<'a, T: Scalar> {
 impl<T: Scalar> Vectors<'_, T> {
     fn iterate(
         &mut self,
-        a: &BlockEll<T>,
+        a: &BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         target: Target,

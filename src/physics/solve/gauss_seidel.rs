@@ -8,13 +8,10 @@
 //!
 //! The rows of a slice are not coupled, so a sweep takes them at once.
 
-use core::iter::Peekable;
-
 use super::preconditioner::invert;
 use crate::physics::assembly::parts::{BySlice, Part, for_parts};
-use crate::physics::assembly::pattern::Crossing;
 use crate::physics::assembly::slice::{self, Slice, Sum};
-use crate::physics::assembly::{BlockEll, BlockPattern};
+use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{M3, Oct, Padded, ROWS, RowKernel, Scalar};
 
 /// Forward and backward sweeps. A forward sweep from zero, any symmetric positive semidefinite correction, and a
@@ -60,10 +57,9 @@ impl<T: Scalar> GaussSeidel<T> {
     }
 
     /// Adapts to a new matrix, not yet interleaved.
-    pub fn update(&mut self, a: &BlockEll<T>) {
+    pub fn update(&mut self, a: &BlockCsr<T>) {
         let pattern = &**a.pattern();
         for_parts(pattern.parts(), BySlice(&mut self.pivots), &|part: &Part, BySlice(pivots)| {
-            let mut incoming = pattern.incoming()[part.incoming.clone()].iter().peekable();
             for (pivots, slice) in pivots.iter_mut().zip(&pattern.slices()[part.slices.clone()]) {
                 let mut blocks = [M3::zero(); ROWS];
                 let blocks = &mut blocks[..slice.rows as usize];
@@ -71,7 +67,7 @@ impl<T: Scalar> GaussSeidel<T> {
                     let row = slice.first_row as usize + lane;
                     *block = a.diagonal(row);
                     if pattern.parts().len() > 1 {
-                        pivots.raised[lane] = coupling_across(a, part, row, &mut incoming);
+                        pivots.raised[lane] = coupling_across(a, part, row);
                         *block = block.add_diagonal(pivots.raised[lane]);
                     }
                 }
@@ -88,7 +84,7 @@ impl<T: Scalar> GaussSeidel<T> {
 
     /// Solves `(D + R + L) z = r`, a forward sweep from zero, and returns the residual that it leaves,
     /// `r − A z = (R − Lᵀ − C) z`.
-    pub fn forward(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> &[Padded<T>] {
+    pub fn forward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> &[Padded<T>] {
         let Self { pivots, sums } = self;
         let parts = a.pattern().parts();
         for_parts(parts, (&mut *z, &mut sums[..]), &|part: &Part, (z, rest)| {
@@ -102,7 +98,7 @@ impl<T: Scalar> GaussSeidel<T> {
     }
 
     /// Solves `(D + R + Lᵀ) z' = r + (R − L − C) z`, a backward sweep from z; returns rᵀ z'.
-    pub fn backward(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    pub fn backward(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         let Self { pivots, sums } = self;
         let (parts, old) = (a.pattern().parts(), &*z);
         for_parts(parts, &mut sums[..], &|part: &Part, out| {
@@ -117,20 +113,16 @@ impl<T: Scalar> GaussSeidel<T> {
     }
 }
 
-/// A tenth of the norms of the blocks by which a row of a part is coupled with others. `incoming` are those of this row and the
-/// rows below it.
-fn coupling_across<'a, T: Scalar>(
-    a: &BlockEll<T>,
-    part: &Part,
-    row: usize,
-    incoming: &mut Peekable<impl Iterator<Item = &'a Crossing>>,
-) -> T {
+/// A tenth of the norms of the blocks by which a row of a part is coupled with others.
+fn coupling_across<T: Scalar>(a: &BlockCsr<T>, part: &Part, row: usize) -> T {
     let (pattern, share) = (a.pattern(), T::from_f64(0.1));
     let mut sum = T::zero();
     for slot in pattern.row(row).take_while(|&slot| (pattern.column(slot) as usize) < part.rows.start) {
         sum += share * norm(&a.block(slot));
     }
-    while let Some(crossing) = incoming.next_if(|crossing| crossing.column as usize == row) {
+    let incoming = &pattern.incoming()[part.incoming.clone()];
+    let first = incoming.partition_point(|crossing| (crossing.column as usize) < row);
+    for crossing in incoming[first..].iter().take_while(|crossing| crossing.column as usize == row) {
         sum += share * norm(&a.block(crossing.slot as usize));
     }
     sum
@@ -143,7 +135,7 @@ fn norm<T: Scalar>(block: &M3<T>) -> T {
 }
 
 struct Forward<'a, T: Scalar> {
-    a: &'a BlockEll<T>,
+    a: &'a BlockCsr<T>,
     pivots: &'a [Pivots<T>],
     part: &'a Part,
     r: &'a [Padded<T>],
@@ -172,7 +164,7 @@ impl<T: Scalar> RowKernel<T> for Forward<'_, T> {
 
 /// Adds `(R − C) z`.
 struct Across<'a, T: Scalar> {
-    a: &'a BlockEll<T>,
+    a: &'a BlockCsr<T>,
     pivots: &'a [Pivots<T>],
     part: &'a Part,
     z: &'a [Padded<T>],
@@ -207,7 +199,7 @@ impl<T: Scalar> RowKernel<T> for Across<'_, T> {
 }
 
 struct Backward<'a, T: Scalar> {
-    a: &'a BlockEll<T>,
+    a: &'a BlockCsr<T>,
     pivots: &'a [Pivots<T>],
     part: &'a Part,
     r: &'a [Padded<T>],
@@ -242,7 +234,7 @@ impl<T: Scalar> RowKernel<T> for Backward<'_, T> {
 #[inline(always)]
 fn left<T: Scalar, S: Oct<T>>(
     s: S,
-    a: &BlockEll<T>,
+    a: &BlockCsr<T>,
     first: usize,
     slice: &Slice,
     mut sums: [S::V; 3],
@@ -259,7 +251,7 @@ fn left<T: Scalar, S: Oct<T>>(
 #[inline(always)]
 fn scatter_left<T: Scalar, S: Oct<T>>(
     s: S,
-    a: &BlockEll<T>,
+    a: &BlockCsr<T>,
     first: usize,
     slice: &Slice,
     solved: [S::V; 3],

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Preconditioner;
 use super::preconditioner::{inverse_above, invert};
-use crate::physics::assembly::{BlockEll, BlockPattern};
+use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{Kernel, M3, Padded, RowSums, Scalar, dispatch};
 
 /// Diagonal shifts, relative to the diagonal (Manteuffel 1980): the factorisation of a positive definite matrix may
@@ -89,7 +89,7 @@ impl<T: Scalar> IncompleteCholesky<T> {
 /// Factorises `A + shift diag(A)`; false if a pivot is not positive.
 struct Factorise<'a, T> {
     factor: &'a mut IncompleteCholesky<T>,
-    a: &'a BlockEll<T>,
+    a: &'a BlockCsr<T>,
     shift: T,
 }
 
@@ -130,7 +130,7 @@ impl<T: Scalar> Kernel for Factorise<'_, T> {
 }
 
 impl<T: Scalar> Preconditioner<T> for IncompleteCholesky<T> {
-    fn update(&mut self, a: &BlockEll<T>) {
+    fn update(&mut self, a: &BlockCsr<T>) {
         let last = self.shift % SHIFTS.len();
         let first = if self.streak < PATIENCE { last } else { last.saturating_sub(1) };
         let found = (first..SHIFTS.len())
@@ -147,7 +147,7 @@ impl<T: Scalar> Preconditioner<T> for IncompleteCholesky<T> {
         }
     }
 
-    fn apply(&mut self, _: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         dispatch(Apply { factor: self, r, z })
     }
 }

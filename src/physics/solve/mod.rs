@@ -25,7 +25,7 @@ pub use incomplete_cholesky::IncompleteCholesky;
 pub use kind::{PreconditionerKind, SolverKind};
 pub use preconditioner::{BlockJacobi, Preconditioner};
 
-use crate::physics::assembly::{BlockEll, BlockPattern};
+use crate::physics::assembly::{BlockCsr, BlockPattern};
 use crate::physics::math::{Padded, Scalar};
 
 /// How a solve went.
@@ -72,7 +72,7 @@ pub trait LinearSolver<T: Scalar>: Send + Sync {
     /// See [`SolveError`]; `d` is then not to be used.
     fn solve(
         &mut self,
-        a: &mut BlockEll<T>,
+        a: &mut BlockCsr<T>,
         b: &[Padded<T>],
         d: &mut [Padded<T>],
         target: Target,

@@ -1,22 +1,22 @@
 //! Approximate inverses of A.
 
-use crate::physics::assembly::BlockEll;
+use crate::physics::assembly::BlockCsr;
 use crate::physics::math::{Kernel, M3, Padded, Scalar, dispatch};
 
 /// A symmetric positive definite approximation P⁻¹ of A⁻¹.
 pub trait Preconditioner<T: Scalar>: Send + Sync {
     /// Adapts to a new matrix of the same pattern, not yet interleaved.
-    fn update(&mut self, a: &BlockEll<T>);
+    fn update(&mut self, a: &BlockCsr<T>);
     /// `z = P⁻¹ r`, for the matrix that it was last adapted to, now interleaved; returns rᵀ z.
-    fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
+    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64;
 }
 
 impl<T: Scalar> Preconditioner<T> for Box<dyn Preconditioner<T>> {
-    fn update(&mut self, a: &BlockEll<T>) {
+    fn update(&mut self, a: &BlockCsr<T>) {
         (**self).update(a);
     }
 
-    fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         (**self).apply(a, r, z)
     }
 }
@@ -35,14 +35,14 @@ impl<T: Scalar> BlockJacobi<T> {
 }
 
 impl<T: Scalar> Preconditioner<T> for BlockJacobi<T> {
-    fn update(&mut self, a: &BlockEll<T>) {
+    fn update(&mut self, a: &BlockCsr<T>) {
         for (row, inverse) in self.inverses.iter_mut().enumerate() {
             *inverse = a.diagonal(row);
         }
         invert(&mut self.inverses);
     }
 
-    fn apply(&mut self, _: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, _: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         let mut product = 0.0;
         for ((z, inverse), &r) in z.iter_mut().zip(&self.inverses).zip(r) {
             *z = inverse.times(r);

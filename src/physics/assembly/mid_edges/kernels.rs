@@ -7,7 +7,7 @@ use crate::physics::energy::mid_edge::{Bent, Rows};
 use crate::physics::math::{Lanes, Oct, Pack, ROWS, RowKernel, Scalar};
 
 /// φ of eight edges, in the first triangle of each and in the second, rad.
-pub(in super::super) type Phi<T> = [[T; ROWS]; 2];
+pub(in super::super) type Phi<T> = [Pack<T>; 2];
 
 /// φ = σ Θ ± δ of eight edges with deviations Θ and the turns δ of another φ; `share` is σ of the first triangle.
 #[inline(always)]
@@ -16,10 +16,10 @@ pub(in super::super) fn turned<T: Scalar, S: Oct<T>>(
     share: &Pack<T>,
     [first, second]: &Phi<T>,
 ) -> Phi<T> {
-    let (share, first, second) = (deviation.like(share), deviation.like(&Pack(*first)), deviation.like(&Pack(*second)));
+    let (share, first, second) = (deviation.like(share), deviation.like(first), deviation.like(second));
     let turn = first - share * (first + second);
     let first = share * deviation + turn;
-    [first.store().0, (deviation - first).store().0]
+    [first.store(), (deviation - first).store()]
 }
 
 /// Edges in packs.
@@ -40,18 +40,17 @@ impl<T: Scalar> Packs<'_, T> {
         let [w, x, y, z] = &self.others[pack];
         let others = [self.gather(s, w), self.gather(s, x), self.gather(s, y), self.gather(s, z)];
         let [first, second] = &self.phi[pack];
-        rows.bend([load(&Pack(*first)), load(&Pack(*second))], others)
+        rows.bend([load(first), load(second)], others)
     }
 
     #[inline(always)]
     fn gather<S: Oct<T>>(&self, s: S, sides: &[Side; ROWS]) -> Lanes<T, S> {
-        let phi = self.phi.as_flattened().as_flattened();
-        // No closure: it would not be compiled for S.
-        let mut gathered = [T::zero(); ROWS];
-        for (value, side) in gathered.iter_mut().zip(sides) {
-            *value = phi[side.place()];
+        let mut phi = [T::zero(); ROWS];
+        for (phi, side) in phi.iter_mut().zip(sides) {
+            let (pack, place) = (side.place() / (2 * ROWS), side.place() % (2 * ROWS));
+            *phi = self.phi[pack][place / ROWS].0[place % ROWS];
         }
-        Lanes::load(s, &Pack(gathered))
+        Lanes::load(s, &Pack(phi))
     }
 }
 
@@ -62,7 +61,7 @@ pub(super) struct Sweep<'a, T> {
     pub shares: &'a [Pack<T>],
     pub first: usize,
     pub phi: &'a mut [Phi<T>],
-    pub moments: &'a mut [[T; ROWS]],
+    pub moments: &'a mut [Pack<T>],
 }
 
 impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
@@ -74,8 +73,8 @@ impl<T: Scalar> RowKernel<T> for Sweep<'_, T> {
             let bent = self.packs.bend(s, pack);
             let [first, second] = bent.own;
             let turn = bent.residual() * Lanes::load(s, &self.relaxation[pack]);
-            *phi = [(first - turn).store().0, (second + turn).store().0];
-            *moment = bent.moment(Lanes::load(s, &self.shares[pack])).store().0;
+            *phi = [(first - turn).store(), (second + turn).store()];
+            *moment = bent.moment(Lanes::load(s, &self.shares[pack])).store();
         }
     }
 }

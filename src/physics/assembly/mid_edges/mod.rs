@@ -47,7 +47,7 @@ pub(super) struct MidEdges<T> {
     phi: Vec<Phi<T>>,
     next_phi: Vec<Phi<T>>,
     /// By pack: ∂E/∂θ, N·m.
-    moments: Vec<[T; ROWS]>,
+    moments: Vec<Pack<T>>,
     /// By batch of hinges: the edge at each place.
     places: Vec<[u32; ROWS]>,
 }
@@ -85,9 +85,9 @@ impl<T: Scalar> MidEdges<T> {
             relaxation: vec![zero; count],
             shares: vec![zero; count],
             held: vec![false; shape.vertex_count()],
-            phi: vec![[[T::zero(); ROWS]; 2]; count],
-            next_phi: vec![[[T::zero(); ROWS]; 2]; count],
-            moments: vec![[T::zero(); ROWS]; count],
+            phi: vec![[zero; 2]; count],
+            next_phi: vec![[zero; 2]; count],
+            moments: vec![zero; count],
             edges,
             parts,
         }
@@ -108,7 +108,7 @@ impl<T: Scalar> MidEdges<T> {
 
     /// Turns every angle round.
     pub fn mirror(&mut self) {
-        for value in self.phi.as_flattened_mut().as_flattened_mut() {
+        for value in self.phi.as_flattened_mut().iter_mut().flat_map(|pack| &mut pack.0) {
             *value = -*value;
         }
     }
@@ -131,13 +131,13 @@ impl<T: Scalar> MidEdges<T> {
 
     /// φ of all packs, one number after another.
     pub fn turns(&self) -> Vec<T> {
-        self.phi.as_flattened().as_flattened().to_vec()
+        self.phi.iter().flatten().flat_map(|pack| pack.0).collect()
     }
 
     /// Puts them back, after [`hold`](Self::hold).
     pub fn set_turns(&mut self, turns: &[T]) {
-        for (phi, &turn) in self.phi.as_flattened_mut().as_flattened_mut().iter_mut().zip(turns) {
-            *phi = turn;
+        for (pack, turns) in self.phi.iter_mut().flatten().zip(turns.chunks_exact(ROWS)) {
+            pack.0.copy_from_slice(turns);
         }
     }
 
@@ -162,9 +162,9 @@ impl<T: Scalar> MidEdges<T> {
         for (pack, [first, second]) in self.phi.iter_mut().enumerate() {
             for lane in 0..ROWS {
                 if self.relaxation[pack].0[lane] == T::zero() {
-                    let (deviation, share) = (first[lane] + second[lane], self.shares[pack].0[lane]);
-                    first[lane] = share * deviation;
-                    second[lane] = deviation - first[lane];
+                    let (deviation, share) = (first.0[lane] + second.0[lane], self.shares[pack].0[lane]);
+                    first.0[lane] = share * deviation;
+                    second.0[lane] = deviation - first.0[lane];
                 }
             }
         }
@@ -200,7 +200,7 @@ impl<T: Scalar> MidEdges<T> {
 
     /// Brings the turns to the minimum, wherever they were.
     pub fn settle(&mut self, angles: &impl Angles<T>) {
-        self.phi.fill([[T::zero(); ROWS]; 2]);
+        self.phi.fill([Pack([T::zero(); ROWS]); 2]);
         self.sweep(SWEEPS_FROM_NOTHING, angles);
     }
 
@@ -240,12 +240,11 @@ impl<T: Scalar> MidEdges<T> {
     /// ∂E/∂θ of each hinge of a batch, N·m.
     #[inline(always)]
     pub fn moments(&self, batch: usize) -> Pack<T> {
-        let moments = self.moments.as_flattened();
-        let mut gathered = [T::zero(); ROWS];
-        for (moment, &edge) in gathered.iter_mut().zip(&self.places[batch]) {
-            *moment = moments[edge as usize];
+        let mut moments = [T::zero(); ROWS];
+        for (moment, &edge) in moments.iter_mut().zip(&self.places[batch]) {
+            *moment = self.moments[edge as usize / ROWS].0[edge as usize % ROWS];
         }
-        Pack(gathered)
+        Pack(moments)
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::prolongation::{ENTRIES, Prolongation};
 use crate::physics::assembly::parts::{ByGroup, ByPart, BySlice, Part, for_parts};
-use crate::physics::assembly::{BlockEll, BlockPattern, Group, Slicing};
+use crate::physics::assembly::{BlockCsr, BlockPattern, Group, Slicing};
 use crate::physics::math::{M3, Oct, Pack, ROWS, RowKernel, Scalar};
 
 /// What of the product depends on the patterns alone.
@@ -159,7 +159,7 @@ impl<T: Scalar> Galerkin<T> {
     }
 
     /// `coarse = Pᵀ A P`. Rows of A that are coupled with no others (pins) stay out: smoothing alone solves them.
-    pub fn multiply(&mut self, a: &BlockEll<T>, p: &Prolongation<T>, coarse: &mut BlockEll<T>) {
+    pub fn multiply(&mut self, a: &BlockCsr<T>, p: &Prolongation<T>, coarse: &mut BlockCsr<T>) {
         let Self { starts, terms, targets, pieces, rows, scratch } = self;
         let pattern = Arc::clone(coarse.pattern());
         let (diagonal, lower) = coarse.clear();
@@ -189,7 +189,7 @@ struct Multiply<'a, T: Scalar> {
     terms: &'a [[u16; ENTRIES]],
     targets: &'a [[Target; ENTRIES]],
     rows: &'a [u32],
-    a: &'a BlockEll<T>,
+    a: &'a BlockCsr<T>,
     p: &'a Prolongation<T>,
     coarse: &'a BlockPattern,
     part: &'a Part,
@@ -217,10 +217,10 @@ impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
             for [even, odd, _] in &mut *sums {
                 (*even, *odd) = (Block::zero(), Block::zero());
             }
-            let (own, length) = (p.row(row), p.row(row).length());
+            let own = p.row(row);
             let own_places = terms.next().copied().unwrap_or_default();
             let (first, last) = a.diagonal_entries(s, row);
-            for e in 0..length {
+            for e in 0..ENTRIES {
                 let half = T::from_f64(0.5) * own.weights[e];
                 sums[usize::from(own_places[e])][0].add_scaled(s, (first, last), half);
             }
@@ -241,7 +241,7 @@ impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
                 let last = even.last + odd.last;
                 forms[Target::AS_IT_IS as usize] = Block { first: Pack(s.store(sum)), last };
                 forms[Target::TRANSPOSED as usize] = Block { first: Pack(s.store(s.transpose_block(sum))), last };
-                for e in 0..length {
+                for e in 0..ENTRIES {
                     let (slot, weight) = (targets[e].slot(), own.weights[e]);
                     if let Some(group) = lower.get_mut((slot / ROWS).wrapping_sub(part.groups.start)) {
                         let Block { first, last } = &forms[targets[e].form()];
@@ -249,7 +249,7 @@ impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
                     }
                 }
             }
-            for e in 0..length {
+            for e in 0..ENTRIES {
                 let (slot, weight) = (coarse.diagonal(own.columns[e] as usize), own.weights[e]);
                 if let Some(group) = diagonal.get_mut((slot / ROWS).wrapping_sub(part.slices.start)) {
                     let [sum, transposed, _] = &sums[usize::from(own_places[e])];

@@ -10,12 +10,11 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// Rows that are coupled by blocks.
+    /// Rows that the pattern has as neighbours.
     pub fn of_pattern(pattern: &BlockPattern) -> Self {
-        let mut rows = vec![Vec::new(); pattern.row_count()];
+        let mut rows: Vec<Vec<u32>> = (0..pattern.row_count()).map(|row| pattern.near(row).collect()).collect();
         for row in 0..pattern.row_count() {
-            for column in pattern.row(row).map(|slot| pattern.column(slot)) {
-                rows[row].push(column);
+            for column in pattern.near(row) {
                 rows[column as usize].push(row as u32);
             }
         }

@@ -8,9 +8,6 @@
 //! z ← z + P e                   z ← backward sweep from z
 //! ```
 //!
-//! The scalars F beside the finest matrix are left out, on all levels. Plates take a sixth more iterations for that, at the median.
-//! `Pᵀ F P` in the coarse matrices costs 3 to 9 % of a frame, as they get denser, and saves none of these.
-//!
 //! The prolongation P depends on the pattern alone. So the coarse matrices Pᵀ A P have fixed patterns, found once, and
 //! only their values follow A. The coarsest level is factorised.
 
@@ -25,7 +22,7 @@ use self::graph::Graph;
 use self::prolongation::Prolongation;
 use super::gauss_seidel::GaussSeidel;
 use super::{IncompleteCholesky, Preconditioner};
-use crate::physics::assembly::{BlockEll, BlockPattern, Slicing, colour};
+use crate::physics::assembly::{BlockCsr, BlockPattern, Slicing, colour};
 use crate::physics::math::{Padded, Scalar};
 
 /// Levels of so few nodes are not coarsened further.
@@ -53,7 +50,7 @@ struct Level<T: Scalar> {
     prolongation: Prolongation<T>,
     galerkin: Galerkin<T>,
     /// Matrix, right-hand side and solution of the level below.
-    coarse: BlockEll<T>,
+    coarse: BlockCsr<T>,
     coarse_r: Vec<Padded<T>>,
     coarse_z: Vec<Padded<T>>,
 }
@@ -86,7 +83,7 @@ impl<T: Scalar> Multigrid<T> {
                 smoother: GaussSeidel::new(&pattern),
                 prolongation,
                 galerkin,
-                coarse: BlockEll::zero(Arc::clone(&coarse_pattern)),
+                coarse: BlockCsr::zero(Arc::clone(&coarse_pattern)),
                 coarse_r: vec![Padded::zero(); count],
                 coarse_z: vec![Padded::zero(); count],
             });
@@ -130,7 +127,7 @@ fn in_order(
 }
 
 impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
-    fn update(&mut self, a: &BlockEll<T>) {
+    fn update(&mut self, a: &BlockCsr<T>) {
         let mut fine = a;
         for Level { smoother, prolongation, galerkin, coarse, .. } in &mut self.levels {
             smoother.update(fine);
@@ -143,7 +140,7 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
         }
     }
 
-    fn apply(&mut self, a: &BlockEll<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
+    fn apply(&mut self, a: &BlockCsr<T>, r: &[Padded<T>], z: &mut [Padded<T>]) -> f64 {
         cycle(&mut self.levels, &mut self.factor, a, r, z)
     }
 }
@@ -151,7 +148,7 @@ impl<T: Scalar> Preconditioner<T> for Multigrid<T> {
 fn cycle<T: Scalar>(
     levels: &mut [Level<T>],
     factor: &mut IncompleteCholesky<T>,
-    a: &BlockEll<T>,
+    a: &BlockCsr<T>,
     r: &[Padded<T>],
     z: &mut [Padded<T>],
 ) -> f64 {

@@ -27,14 +27,6 @@ pub(super) struct Row<T> {
     pub weights: [T; ENTRIES],
 }
 
-impl<T: Scalar> Row<T> {
-    /// Number of entries that have a weight: they come first.
-    #[inline(always)]
-    pub fn length(&self) -> usize {
-        self.weights.iter().filter(|weight| **weight != T::zero()).count()
-    }
-}
-
 impl<T: Scalar> Prolongation<T> {
     /// `P = (I − ω D⁻¹ L) P₀` with P₀ = 1 from each node to its aggregate, L the graph Laplacian and D its diagonal.
     pub fn new(graph: &Graph, aggregate_of: &[u32], aggregates: usize) -> Self {

@@ -1,4 +1,4 @@
-//! A sparse symmetric matrix of 3×3 blocks, in slices of eight rows padded to the longest (sliced ELL; Kreutzer et al. 2014).
+//! A sparse symmetric matrix of 3×3 blocks.
 
 use std::sync::Arc;
 
@@ -7,34 +7,29 @@ use super::slice;
 use super::{BlockPattern, Group};
 use crate::physics::math::{Kernel, M3, Oct, Padded, ROWS, RowKernel, Scalar, dispatch};
 
-/// A = L + D + Lᵀ + F: the diagonal, and the lower half. One pass over L serves both halves. F holds a scalar w for each of the
-/// [`FarPairs`](super::far_pairs::FarPairs), which adds `−w ‖u_i − u_j‖²` to `uᵀ A u`: so `A − F` is the larger matrix of the two,
-/// and with it alone preconditioners are positive definite too.
+/// A = L + D + Lᵀ: the diagonal, and the lower half. One pass over L serves both halves.
 ///
 /// Blocks are added to the matrix one by one, but it is multiplied [`ROWS`] rows at once. So there are two stages: while it is
-/// filled each block stands on its own, after [`BlockEll::interleave`] the entries of a group stand side by side.
+/// filled each block stands on its own, after [`BlockCsr::interleave`] the entries of a group stand side by side.
 #[derive(Clone, Debug)]
-pub struct BlockEll<T> {
+pub struct BlockCsr<T> {
     pattern: Arc<BlockPattern>,
     /// D, by slice.
     diagonal: Vec<Group<T>>,
     /// L, by group.
     lower: Vec<Group<T>>,
     interleaved: bool,
-    /// F, by entry of the far pairs: w, in both rows of a pair.
-    far: Vec<T>,
     /// Rows that are coupled with no others: those of pins, once taken out.
     pub fixed: Vec<bool>,
 }
 
-impl<T: Scalar> BlockEll<T> {
+impl<T: Scalar> BlockCsr<T> {
     /// The zero matrix of a pattern.
     pub fn zero(pattern: Arc<BlockPattern>) -> Self {
         let diagonal = vec![Group::zero(); pattern.slices().len()];
         let lower = vec![Group::zero(); pattern.group_count()];
-        let far = vec![T::zero(); pattern.far().entry_count()];
         let fixed = vec![false; pattern.row_count()];
-        Self { pattern, diagonal, lower, interleaved: false, far, fixed }
+        Self { pattern, diagonal, lower, interleaved: false, fixed }
     }
 
     /// The pattern.
@@ -104,30 +99,6 @@ impl<T: Scalar> BlockEll<T> {
         self.pattern.row(row).map(|slot| (self.pattern.column(slot), self.block(slot)))
     }
 
-    /// F: the scalars by entry of the far pairs.
-    pub fn far(&self) -> &[T] {
-        &self.far
-    }
-
-    /// Changes F: both entries of a pair alike.
-    pub(super) fn far_mut(&mut self) -> &mut [T] {
-        &mut self.far
-    }
-
-    /// `F x` in the rows of a slice, `Σ w (x_j − x_i)`: in differences, as a translation strains nothing.
-    #[inline(always)]
-    fn far_product<S: Oct<T>>(&self, s: S, slice: &slice::Slice, x: &[Padded<T>]) -> [S::V; 3] {
-        let far = self.pattern.far();
-        let mut sums = [Padded::zero(); ROWS];
-        for (sum, row) in sums.iter_mut().zip(slice.first_row as usize..).take(slice.rows as usize) {
-            let (own, entries) = (x[row], far.row(row));
-            for (&weight, &column) in self.far[entries.clone()].iter().zip(far.columns(entries)) {
-                *sum += (x[column as usize] - own) * weight;
-            }
-        }
-        s.turn(sums)
-    }
-
     /// A group of blocks below the diagonal.
     #[inline(always)]
     pub(crate) fn group(&self, group: usize) -> &Group<T> {
@@ -172,7 +143,7 @@ impl<T: Scalar> Kernel for Interleave<'_, T> {
 }
 
 struct Multiply<'a, T: Scalar> {
-    a: &'a BlockEll<T>,
+    a: &'a BlockCsr<T>,
     part: &'a Part,
     x: &'a [Padded<T>],
     y: &'a mut [Padded<T>],
@@ -191,13 +162,13 @@ impl<T: Scalar> RowKernel<T> for Multiply<'_, T> {
         for (slice, diagonal) in pattern.slices()[slices.clone()].iter().zip(&a.diagonal[slices]) {
             let own = slice::load(s, slice, 0, x);
             let zero = [s.splat(T::zero()); 3];
-            let diagonal = diagonal.mul_add(s, own, a.far_product(s, slice, x));
+            let diagonal = diagonal.mul_add(s, own, zero);
             let mut lower = zero;
             for group in slice.crossing as usize..slice.end as usize {
                 let right = slice::gather(s, pattern.columns(group), 0, x);
                 lower = a.group(group).mul_add(s, right, lower);
             }
-            // xᵀ A x = xᵀ (D + F + 2 L) x.
+            // xᵀ A x = xᵀ (D + 2 L) x.
             let ([l0, l1, l2], [d0, d1, d2]) = (lower, diagonal);
             let both = [s.mul_add(two, l0, d0), s.mul_add(two, l1, d1), s.mul_add(two, l2, d2)];
             product.add(s, own, both);
