@@ -281,7 +281,7 @@ mod tests {
         let now = stage.time() as f32;
         let [fixed, pre, update, animation] = things.map(|thing| stage.place(thing).translation().x);
         assert!(pre == now && update == now && animation == now, "{pre} {update} {animation} {now}");
-        // A second is as many ticks as frames can make: both are at its end.
+        // 64 ticks and 60 frames both end after a second, so the last tick may be as late as the last frame.
         assert!(fixed <= now && now - fixed < 1.0 / 64.0, "{fixed} {now}");
     }
 

@@ -163,8 +163,8 @@ impl Cloth {
     }
 
     /// Changes how steps are solved; the cloth keeps its motion. Costs nothing unless precision, solver, preconditioner or
-    /// the limit of iterations are others: these are built anew. Settings
-    /// that do not pass [`SolverSettings::validate`] waste time, and do no harm.
+    /// the limit of iterations are others: these are built anew. Settings that do not pass [`SolverSettings::validate`] waste
+    /// time, and do no harm.
     pub fn set_settings(&mut self, settings: SolverSettings) {
         if settings.same_engine(&self.settings) {
             self.engine.set_settings(&settings);
